@@ -1,0 +1,84 @@
+# How every target of ours is compiled: C++20, warnings as errors, the baseline that the binary promises to run on.
+
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)  # the parts are linked into one shared library
+set(CMAKE_CXX_VISIBILITY_PRESET hidden)
+set(CMAKE_VISIBILITY_INLINES_HIDDEN ON)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+
+if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+  set(CMAKE_BUILD_TYPE Release)
+endif()
+
+add_library(pavo_compile_options INTERFACE)
+target_compile_options(pavo_compile_options INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
+  -Wno-missing-field-initializers  # designated initializers leave the rest to the defaults, on purpose
+  $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>  # g++ 12 sees overlaps in std::string concatenation that are not there (GCC bug 105651)
+  -Wnon-virtual-dtor -Woverloaded-virtual -Werror
+  # Poses are the same to the bit on every run of one SIMD target: the compiler may not contract a*b+c by itself.
+  -ffp-contract=off)
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+  target_compile_options(pavo_compile_options INTERFACE -march=x86-64-v2)
+endif()
+if(PAVO_SANITIZE)
+  target_compile_options(pavo_compile_options INTERFACE
+    -fsanitize=${PAVO_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all -g1
+    # The instrumented standard library (std::regex above all) looks uninitialised to g++ 12 (GCC bug 105562); the
+    # release build keeps the warning.
+    $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
+  target_link_options(pavo_compile_options INTERFACE -fsanitize=${PAVO_SANITIZE})
+endif()
+
+# pavo_library(NAME [DEPENDENCY...]): a part of the house, made of all sources of the current folder.
+# Includes are written from the project's root ("stages/pose/odometry.h").
+function(pavo_library name)
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+  if(NOT sources)  # a folder of headers
+    add_library(${name} INTERFACE)
+    target_include_directories(${name} INTERFACE ${PROJECT_SOURCE_DIR})
+    target_link_libraries(${name} INTERFACE ${ARGN})
+    return()
+  endif()
+  add_library(${name} STATIC ${sources})
+  target_include_directories(${name} PUBLIC ${PROJECT_SOURCE_DIR})
+  target_link_libraries(${name} PUBLIC ${ARGN} PRIVATE pavo_compile_options)
+endfunction()
+
+# What every test includes is read once where everything is built a second and a third time. The release build reads it
+# for each file, and so shows that each file includes what it uses.
+if(PAVO_SANITIZE AND PAVO_BUILD_TESTS)
+  file(GENERATE OUTPUT ${PROJECT_BINARY_DIR}/test_headers.cpp CONTENT "int main() {}\n")
+  add_executable(pavo_test_headers EXCLUDE_FROM_ALL ${PROJECT_BINARY_DIR}/test_headers.cpp)
+  target_precompile_headers(pavo_test_headers PRIVATE <gmock/gmock.h> <gtest/gtest.h>)
+  target_link_libraries(pavo_test_headers PRIVATE GTest::gtest GTest::gmock pavo_compile_options)
+endif()
+
+# pavo_test(NAME [LIBRARY...]): one test executable, made of all sources of the current folder, one file per behaviour.
+function(pavo_test name)
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+  if(NOT sources)
+    return()
+  endif()
+  add_executable(${name} ${sources})
+  target_link_libraries(${name} PRIVATE ${ARGN} GTest::gtest_main GTest::gmock pavo_compile_options)
+  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
+  target_compile_definitions(${name} PRIVATE PAVO_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+  if(TARGET pavo_test_headers)
+    target_precompile_headers(${name} REUSE_FROM pavo_test_headers)
+  endif()
+  set(properties TIMEOUT 300)
+  if(PAVO_SANITIZE STREQUAL "thread")
+    list(APPEND properties ENVIRONMENT "TSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/thread_sanitizer.supp")
+  endif()
+  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST PROPERTIES ${properties})
+endfunction()
+
+# pavo_benchmark(NAME [LIBRARY...]): one benchmark executable for the question that the current folder asks.
+function(pavo_benchmark name)
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+  add_executable(${name} ${sources})
+  target_link_libraries(${name} PRIVATE ${ARGN} pavo_compile_options)
+endfunction()

@@ -1,0 +1,108 @@
+// What can be seen in one frame, placed before its camera and sorted into the tiles of the image.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "drivers/synthetic/body.h"
+#include "drivers/synthetic/part.h"
+#include "drivers/synthetic/path.h"
+#include "drivers/synthetic/street.h"
+#include "drivers/synthetic/walkers.h"
+#include "types/camera.h"
+
+namespace pavo::synthetic {
+
+/// The rays of a camera, computed once: where each pixel looks, in the plane z = 1.
+class RayTable {
+ public:
+  explicit RayTable(const Camera& camera);
+  const Camera& camera() const { return camera_; }
+  /// Pixel (x, y), from -1 to the image's size inclusive; NaN where the lens sees nothing (or not in front).
+  Eigen::Vector2f at(int x, int y) const {
+    return rays_[static_cast<std::size_t>(y + 1) * static_cast<std::size_t>(camera_.width + 2) +
+                 static_cast<std::size_t>(x + 1)];
+  }
+  /// The same for any point, inside the image or beyond its edges; slow.
+  Eigen::Vector2f look(double x, double y) const;
+  /// The pixels that bounds of the ideal plane can reach, exact to a fraction of a pixel; not clipped to the image.
+  void to_pixels(const Bounds& bounds, float& x0, float& y0, float& x1, float& y1) const;
+
+ private:
+  Camera camera_;
+  std::vector<Eigen::Vector2f> rays_;
+  float min_x_ = 0, min_y_ = 0, max_x_ = 0, max_y_ = 0;  ///< of the rays inside the image
+};
+
+/// A piece of the centre line, relative to the eye.
+struct ViewPiece {
+  Eigen::Vector2f start, start_along, end, end_along;  ///< x, z
+  Eigen::Vector2f centre{0, 0};
+  float curvature = 0, length = 0;
+  float texture_s = 0;  ///< s of the start, within the period of the ground's textures
+};
+
+/// Where a point of the ground lies in the street.
+struct Located {
+  int piece = -1;  ///< -1: off the street
+  float l = 0;
+};
+
+struct VisiblePerson {
+  int id = 0;
+  bool companion = false;
+  std::size_t first = 0, last = 0;  ///< of Scene::bodies
+};
+
+struct Scene {
+  static constexpr int kTile = 8;
+
+  Eigen::Vector3d eye{0, 0, 0};
+  Eigen::Matrix3f R = Eigen::Matrix3f::Identity();  ///< camera to street
+  std::vector<ViewPart> parts;                      ///< nearest first
+  std::vector<float> light;                         ///< on those parts that are flat
+  std::vector<ViewPiece> pieces;
+  std::vector<GroundShade> shades;  ///< relative to the eye
+  std::vector<VisiblePerson> people;
+  std::vector<Part> bodies;
+  int tiles_x = 0, tiles_y = 0;
+  std::vector<std::vector<std::uint16_t>> tile_parts, tile_shades;  ///< per tile; shades by row of tiles
+
+  std::size_t tile(int x, int y) const {
+    return static_cast<std::size_t>(y / kTile) * static_cast<std::size_t>(tiles_x) +
+           static_cast<std::size_t>(x / kTile);
+  }
+  /// The parts that a pixel can hit, nearest first; true where one of them is thin.
+  bool parts_at(int x, int y, std::vector<std::uint16_t>& here) const {
+    bool thin = false;
+    here.clear();
+    for (const std::uint16_t i : tile_parts[tile(x, y)]) {
+      const ViewPart& view = parts[i];
+      if (x < view.x0 || x > view.x1 || y < view.y0 || y > view.y1) continue;
+      here.push_back(i);
+      thin |= view.thin;
+    }
+    return thin;
+  }
+  Located locate(const Eigen::Vector2f& p, int hint) const;
+};
+
+/// The world without a camera's moment: immutable, shared by all threads.
+struct World {
+  World(const SyntheticOptions& options, const Camera& camera);
+
+  Drive drive;
+  Street street;
+  Walkers walkers;
+  Wardrobe wardrobe;
+  Eigen::Vector3f sun;
+};
+
+/// Fills the scene of a frame (its memory is used again).
+void compose(const World& world, const RayTable& rays, int frame, Scene& scene);
+
+/// Light that falls on a surface with this unit normal (street frame), 1 on open ground.
+float light_on(const Eigen::Vector3f& normal, const Eigen::Vector3f& sun);
+
+}  // namespace pavo::synthetic

@@ -1,0 +1,58 @@
+// Where a start is sought: how well every scale explains what was seen, summed over the frames of the start.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+namespace pavo {
+
+/// A histogram over ln(metres per unit). One look rarely tells in a crowd; wrong peaks come and go, the right one
+/// stays.
+class ScaleVotes {
+ public:
+  static constexpr double kStep = 0.11;
+  static constexpr int kBins = 256;  // from e^-14 to e^14 metres per unit
+
+  struct Peak {
+    int bin = 0;
+    double votes = 0;
+    double second = 0;  ///< the best of those more than kApart bins away
+  };
+
+  static double scale_of(int bin) { return std::exp(kStep * (bin - kBins / 2)); }
+  static int bin_of(double scale) {
+    return std::clamp(static_cast<int>(std::lround(std::log(scale) / kStep)) + kBins / 2, 0, kBins - 1);
+  }
+
+  void clear() { votes_.fill(0); }
+  /// What is old counts less: the unit may have been a guess (a speed that changes).
+  void fade(double factor) {
+    for (double& v : votes_) v *= factor;
+  }
+  void add(int bin, double votes) { votes_[static_cast<std::size_t>(bin)] += votes; }
+
+  Peak peak() const {
+    constexpr int kApart = 6;
+    Peak p;
+    for (int i = 0; i < kBins; ++i)
+      if (at(i) > p.votes) p.votes = at(i), p.bin = i;
+    // A wrong pitch goes with a wrong scale: the peak is broad, and its middle is the better guess.
+    const int top = p.bin;
+    double sum = 0, weights = 0;
+    for (int i = std::max(0, top - kApart); i <= std::min(kBins - 1, top + kApart); ++i)
+      if (at(i) > 0.9 * p.votes) sum += i, weights += 1;
+    p.bin = weights > 0 ? static_cast<int>(std::lround(sum / weights)) : top;
+    for (int i = 0; i < kBins; ++i)
+      if (std::abs(i - p.bin) > kApart) p.second = std::max(p.second, at(i));
+    return p;
+  }
+
+  double at(int bin) const { return votes_[static_cast<std::size_t>(bin)]; }
+
+ private:
+  std::array<double, kBins> votes_{};
+};
+
+}  // namespace pavo

@@ -1,0 +1,171 @@
+// The trace is what the viewers of Chrome's Trace Event Format expect, and tells what happened.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "engine/trace.h"
+#include "tests/engine/numbers.h"
+#include "tests/trajectories/temporary.h"
+
+namespace pavo::test {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+
+struct SquareOrThrow {
+  void operator()(const std::int64_t& in, std::int64_t& out) const {
+    if (in == 13) throw std::runtime_error("unlucky");
+    out = in * in;
+  }
+};
+
+json trace_of_a_run(const std::string& path, std::int64_t frames, int workers_count) {
+  SteadyClock clock;
+  Trace trace(path);
+  PipelineOptions options = workers(workers_count);
+  options.trace = &trace;
+  Pipeline<Numbers> pipeline(options, clock);
+  Sum sum;
+  pipeline.source(writes(&Numbers::input));
+  pipeline.add("square", reads(&Numbers::input), writes(&Numbers::squared), SquareOrThrow{}, parallel);
+  pipeline.add("double", reads(&Numbers::input), writes(&Numbers::doubled), Double{}, parallel);
+  pipeline.add("sum", reads(&Numbers::squared, &Numbers::doubled), writes(&Numbers::sum), std::ref(sum), in_order);
+  Counting source(frames);
+  pipeline.run(source);
+  trace.finish();
+  EXPECT_EQ(trace.lost(), 0u);
+  std::ifstream file(path);
+  return json::parse(file);
+}
+
+struct Slice {
+  double begin, end;
+  std::string name;
+  std::int64_t frame;
+};
+
+// What the format demands of every event; the slices by row.
+std::map<int, std::vector<Slice>> checked_slices(const json& events) {
+  std::map<int, std::vector<Slice>> slices;
+  for (const json& e : events) {
+    const std::string ph = e.at("ph");
+    EXPECT_EQ(e.at("pid").get<int>(), getpid());
+    EXPECT_TRUE(e.at("tid").is_number_integer());
+    EXPECT_FALSE(e.at("name").get<std::string>().empty());
+    if (ph == "M") {
+      EXPECT_TRUE(e.at("args").is_object());
+      continue;
+    }
+    EXPECT_GT(e.at("ts").get<double>(), 0);
+    if (ph == "X") {
+      EXPECT_GE(e.at("dur").get<double>(), 0);
+      slices[e.at("tid")].push_back(
+          {e.at("ts"), e.at("ts").get<double>() + e.at("dur").get<double>(), e.at("name"), e.at("args").at("frame")});
+    } else if (ph == "s" || ph == "t" || ph == "f") {
+      EXPECT_TRUE(e.at("id").is_number_integer());
+      EXPECT_EQ(e.at("cat"), "frame");
+    } else {
+      EXPECT_TRUE(ph == "C" || ph == "i") << ph;
+    }
+  }
+  return slices;
+}
+
+TEST(Trace, HoldsEverySliceOnceAndRowsDoNotOverlap) {
+  const TemporaryFolder folder;
+  constexpr std::int64_t kFrames = 60;
+  const json trace = trace_of_a_run(folder.file("t.json"), kFrames, 3);
+  auto rows = checked_slices(trace.at("traceEvents"));
+  std::map<std::string, std::set<std::int64_t>> frames_of;
+  for (auto& [row, slices] : rows) {
+    std::sort(slices.begin(), slices.end(), [](const Slice& a, const Slice& b) { return a.begin < b.begin; });
+    for (std::size_t i = 0; i < slices.size(); ++i) {
+      EXPECT_TRUE(frames_of[slices[i].name].insert(slices[i].frame).second) << "twice";
+      if (i > 0) {
+        EXPECT_LE(slices[i - 1].end, slices[i].begin + 0.002) << "row " << row;
+      }
+    }
+  }
+  for (const char* stage : {"source", "square", "double", "sum", "delivery"})
+    EXPECT_EQ(frames_of[stage].size(), kFrames) << stage;
+  EXPECT_EQ(trace.at("otherData").at("lost_events"), 0);
+}
+
+TEST(Trace, ArrowsFollowEachFrameFromTheSourceToTheDelivery) {
+  const TemporaryFolder folder;
+  const json events = trace_of_a_run(folder.file("t.json"), 40, 2).at("traceEvents");
+  const auto rows = checked_slices(events);
+  std::map<std::int64_t, std::map<std::string, int>> arrows;
+  for (const json& e : events) {
+    const std::string ph = e.at("ph");
+    if (ph != "s" && ph != "t" && ph != "f") continue;
+    ++arrows[e.at("id")][ph];
+    const double at = e.at("ts");
+    const auto& slices = rows.at(e.at("tid"));
+    EXPECT_TRUE(std::any_of(slices.begin(), slices.end(), [&](const Slice& s) {
+      return s.begin <= at && at <= s.end && s.frame == e.at("id").get<std::int64_t>();
+    })) << "an arrow binds to a slice of its own frame";
+  }
+  ASSERT_EQ(arrows.size(), 40u);
+  for (auto& [frame, count] : arrows) {
+    EXPECT_EQ(count["s"], 1);
+    EXPECT_EQ(count["t"], 3) << "square, double, sum";
+    EXPECT_EQ(count["f"], 1);
+  }
+}
+
+TEST(Trace, NamesRowsAndOutcomes) {
+  const TemporaryFolder folder;
+  const json events = trace_of_a_run(folder.file("t.json"), 20, 2).at("traceEvents");
+  std::set<std::string> rows, outcomes;
+  for (const json& e : events) {
+    if (e.at("name") == "thread_name") rows.insert(e.at("args").at("name"));
+    if (e.at("ph") == "X" && e.at("args").at("frame") == 13)
+      outcomes.insert(e.at("name").get<std::string>() + " " + e.at("args").at("outcome").get<std::string>());
+  }
+  EXPECT_THAT(rows, testing::IsSupersetOf({"source", "worker 0", "worker 1"}));
+  EXPECT_THAT(outcomes, testing::UnorderedElementsAre("source ok", "square failed", "double ok", "sum missed",
+                                                      "delivery failed"));
+}
+
+TEST(Trace, OfNothingIsStillATrace) {
+  const TemporaryFolder folder;
+  { const Trace never_started(folder.file("t.json")); }
+  std::ifstream file(folder.file("t.json"));
+  EXPECT_TRUE(json::parse(file).at("traceEvents").empty());
+  EXPECT_TRUE(checked_slices(trace_of_a_run(folder.file("u.json"), 0, 1).at("traceEvents")).empty());
+}
+
+TEST(Trace, SaysWhatItCannotWrite) {
+  try {
+    Trace("/nowhere/at/all.json");
+    FAIL();
+  } catch (const std::runtime_error& e) {
+    EXPECT_THAT(e.what(), HasSubstr("/nowhere/at/all.json: cannot be written: No such file"));
+  }
+  Trace full("/dev/full");
+  full.start({"source"}, {"source", "delivery"}, {});
+  EXPECT_THROW(full.finish(), std::runtime_error);
+}
+
+TEST(Trace, LosesRatherThanWaits) {
+  EventRing<int> ring(8);
+  for (int i = 0; i < 20; ++i) ring.put(i);
+  EXPECT_EQ(ring.lost(), 12u);
+  std::vector<int> seen;
+  ring.drain([&](int i) { seen.push_back(i); });
+  EXPECT_THAT(seen, testing::ElementsAre(0, 1, 2, 3, 4, 5, 6, 7));
+  ring.put(20);
+  ring.drain([&](int i) { seen.push_back(i); });
+  EXPECT_EQ(seen.back(), 20);
+}
+
+}  // namespace
+}  // namespace pavo::test

@@ -1,0 +1,180 @@
+// The filter, and the whole of it on rendered drives.
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <random>
+
+#include "stages/ground/ground_scale.h"
+#include "tests/ground/roads.h"
+
+namespace pavo {
+namespace {
+
+using roads::camera;
+using roads::on_the_way;
+using roads::Road;
+
+GroundMeasurement look_of(double metres_per_unit, double height, const GroundAttitude& held, double sigma) {
+  GroundMeasurement look;
+  look.found = true;
+  look.m = down_of(held) * metres_per_unit / height;
+  Eigen::Matrix3d B;
+  B.col(0) = look.m;
+  B.rightCols<2>() = look.m.norm() * down_derivative(held);
+  look.information = (B * Eigen::Vector3d(sigma * sigma, 1e-6, 1e-6).asDiagonal() * B.transpose()).inverse();
+  look.slope = 0.2;
+  return look;
+}
+
+ScaleFilterOptions filter_options() {
+  ScaleFilterOptions options;
+  options.height_m = 1.5;
+  return options;
+}
+
+TEST(ScaleFilter, ConvergesAndHolds) {
+  ScaleFilter filter(filter_options());
+  EXPECT_FALSE(filter.known());
+  filter.assume(0.9, 0.1);
+  for (int i = 0; i < 60; ++i) {
+    filter.predict(1e-3);
+    EXPECT_TRUE(filter.update(look_of(0.8, 1.5, {-0.02, 0.01}, 0.02)));
+  }
+  EXPECT_NEAR(filter.metres_per_unit(), 0.8, 0.008);
+  EXPECT_NEAR(filter.attitude().pitch_rad, -0.02, 0.004);
+  const double sure = filter.sigma(), scale = filter.metres_per_unit();
+  for (int i = 0; i < 20; ++i) {  // no ground to see
+    filter.predict(1e-3);
+    EXPECT_FALSE(filter.update(GroundMeasurement{}));
+  }
+  EXPECT_EQ(filter.metres_per_unit(), scale) << "it holds";
+  EXPECT_GT(filter.sigma(), sure) << "and is less sure";
+}
+
+TEST(ScaleFilter, LeavesOutWhatDoesNotFitUntilItIsLost) {
+  ScaleFilter filter(filter_options());
+  filter.assume(1, 0.05);
+  for (int i = 0; i < 40; ++i) filter.update(look_of(1, 1.5, {}, 0.02));
+  const double before = filter.metres_per_unit();
+  EXPECT_FALSE(filter.update(look_of(1.6, 1.5, {}, 0.02)));
+  EXPECT_EQ(filter.metres_per_unit(), before);
+  for (int i = 0; i < 30 && filter.known(); ++i) filter.update(look_of(1.6, 1.5, {}, 0.02));
+  EXPECT_FALSE(filter.known()) << "many in a row: what was known was wrong";
+}
+
+TEST(ScaleFilter, OtherUnitsAndOtherSensors) {
+  ScaleFilter filter(filter_options());
+  filter.assume(1, 0.05);
+  filter.rescale(2);  // two new units where one was
+  EXPECT_NEAR(filter.metres_per_unit(), 0.5, 1e-12);
+  EXPECT_TRUE(filter.update(0.52, 0.01));
+  EXPECT_GT(filter.metres_per_unit(), 0.515);
+  EXPECT_FALSE(filter.update(2, 0.01)) << "out of the gate";
+  EXPECT_FALSE(filter.update(-1, 0.01));
+  filter.restart();
+  EXPECT_FALSE(filter.known());
+  EXPECT_THROW(ScaleFilter({.height_m = 0}), std::invalid_argument);
+  EXPECT_THROW(ScaleFilter({.height_m = std::numeric_limits<double>::quiet_NaN()}), std::invalid_argument);
+}
+
+TEST(ScaleFilter, ErrorsAreWhatItSays) {
+  double squared = 0;
+  constexpr int kRuns = 60;
+  for (int run = 0; run < kRuns; ++run) {
+    std::mt19937 random(static_cast<std::uint32_t>(run));
+    std::normal_distribution<double> normal;
+    const ScaleFilterOptions options = filter_options();
+    ScaleFilter filter(options);
+    filter.assume(std::exp(0.1 * normal(random)), 0.1);
+    for (int i = 0; i < 40; ++i) {
+      filter.predict(0);
+      const double tilt = options.slope_sigma * normal(random);
+      const double error = 0.01 * normal(random) + options.height_sigma * normal(random) + options.lever / 0.2 * tilt;
+      filter.update(look_of(std::exp(error), 1.5, {tilt, 0}, 0.01));
+    }
+    squared += std::pow(std::log(filter.metres_per_unit()) / filter.sigma(), 2);
+  }
+  EXPECT_LT(squared / kRuns, 1.5) << "overconfident";
+}
+
+GroundScaleOptions scale_options() {
+  GroundScaleOptions options;
+  options.filter.height_m = 1.5;
+  return options;
+}
+
+// A drive of `frames` steps of `step_m`, mapped in a unit of its own.
+void drive(GroundScale& scale, double units_per_metre, int first, int frames, double step_m, const GroundAttitude& held,
+           const People& people = {}) {
+  for (int i = first; i < first + frames; ++i) {
+    const Image image = Road{}.seen_from(on_the_way(i * step_m, held));
+    SE3 T = on_the_way(0, held).inverse() * on_the_way(i * step_m, held);
+    T.t *= units_per_metre;
+    scale.observe(i, image.view(), T, people);
+  }
+}
+
+TEST(GroundScale, FindsTheUnitOfAMapByItself) {
+  for (const double units_per_metre : {0.2, 1.0, 7.0}) {
+    SCOPED_TRACE(units_per_metre);
+    GroundScale scale(camera(), scale_options());
+    drive(scale, units_per_metre, 0, 8, 0.6, {-0.03, 0.01});
+    ASSERT_TRUE(scale.known());
+    EXPECT_NEAR(scale.metres_per_unit() * units_per_metre, 1, 0.035);
+    EXPECT_NEAR(scale.attitude().pitch_rad, -0.03, 0.01);
+    EXPECT_LT(scale.sigma(), 0.05);
+  }
+}
+
+TEST(GroundScale, HoldsWherePeopleHideTheGround) {
+  GroundScale scale(camera(), scale_options());
+  drive(scale, 1, 0, 6, 0.6, {});
+  const double before = scale.metres_per_unit();
+  drive(scale, 1, 6, 4, 0.6, {}, {{0, 60, 480, 130, 1}});
+  EXPECT_EQ(scale.metres_per_unit(), before);
+}
+
+TEST(GroundScale, FollowsAMapThatIsScaledOrMadeAnew) {
+  GroundScale scale(camera(), scale_options());
+  drive(scale, 1, 0, 6, 0.6, {});
+  scale.rescale(3);
+  EXPECT_NEAR(scale.metres_per_unit() * 3, 1, 0.035);
+  drive(scale, 3, 6, 3, 0.6, {});
+  EXPECT_NEAR(scale.metres_per_unit() * 3, 1, 0.035);
+  scale.restart();
+  EXPECT_FALSE(scale.known());
+  drive(scale, 0.5, 9, 6, 0.6, {});
+  ASSERT_TRUE(scale.known());
+  EXPECT_NEAR(scale.metres_per_unit() * 0.5, 1, 0.035);
+}
+
+TEST(GroundScale, MeasuresSingleSteps) {
+  GroundScale scale(camera(), scale_options());
+  double position = 0, expected = 0;
+  for (int i = 0; i < 7; ++i) {
+    const double step = 0.6 + 0.02 * i;
+    if (i > 0) position += step;
+    const Image image = Road{}.seen_from(on_the_way(position));
+    scale.remember(i, image.view());
+    if (i == 0) continue;
+    SE3 T;
+    T.t = Eigen::Vector3d(0, 0, 1);
+    scale.step(i, i - 1, T, expected, 0.1, {});
+    if (scale.known()) expected = scale.metres_per_unit();
+    if (i > 3) {
+      EXPECT_NEAR(scale.metres_per_unit(), step, 0.05 * step) << i;
+    }
+  }
+  EXPECT_TRUE(scale.known());
+}
+
+TEST(GroundScale, TheSameInputGivesTheSameBits) {
+  GroundScale a(camera(), scale_options()), b(camera(), scale_options());
+  drive(a, 1, 0, 5, 0.6, {});
+  drive(b, 1, 0, 5, 0.6, {});
+  EXPECT_EQ(a.metres_per_unit(), b.metres_per_unit());
+  EXPECT_EQ(a.covariance(), b.covariance());
+}
+
+}  // namespace
+}  // namespace pavo

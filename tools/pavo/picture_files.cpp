@@ -1,0 +1,61 @@
+#include "tools/pavo/picture_files.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <stdexcept>
+
+#include "drivers/trajectories/append_file.h"
+
+namespace pavo {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_picture(const fs::path& file) {
+  std::string extension = file.extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  static constexpr std::array kKnown = {".png", ".jpg", ".jpeg", ".pgm", ".ppm", ".bmp", ".tif", ".tiff"};
+  return std::find(kKnown.begin(), kKnown.end(), extension) != kKnown.end();
+}
+
+std::vector<fs::path> pictures_of(const fs::path& folder) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error))
+    if (is_picture(entry->path()) && !entry->is_directory()) files.push_back(entry->path());
+  if (error) throw std::runtime_error(folder.string() + ": cannot be read: " + error.message());
+  if (files.empty())
+    throw std::runtime_error(folder.string() +
+                             ": no picture in it: expected .png, .jpg, .pgm, .ppm, .bmp or .tif files");
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+}  // namespace
+
+std::vector<fs::path> picture_files(const std::vector<std::string>& paths) {
+  std::vector<fs::path> files;
+  for (const fs::path path : paths) {
+    if (!fs::exists(path)) throw std::runtime_error(path.string() + ": no such file or folder");
+    if (!fs::is_directory(path)) {
+      files.push_back(path);
+      continue;
+    }
+    const std::vector<fs::path> found = pictures_of(path);
+    files.insert(files.end(), found.begin(), found.end());
+  }
+  return files;
+}
+
+void PictureReader::operator()(const fs::path& file, Image& image) {
+  const std::string bytes = read_whole_file(file.string());
+  encoded_.bytes.assign(bytes.begin(), bytes.end());
+  try {
+    decode_(encoded_, image, scratch_);
+  } catch (const std::exception& e) {
+    throw std::runtime_error(file.string() + ": " + e.what());
+  }
+}
+
+}  // namespace pavo
