@@ -292,6 +292,14 @@ bool uses_keyframes(const Config& config) {
   return odometry.estimator == "keyframe" || (odometry.estimator == "auto" && odometry.tracker != "klt");
 }
 
+void check_estimator(const Config& config) {
+  if (uses_keyframes(config) && config.odometry.tracker == "klt")
+    throw std::runtime_error(
+        "--tracker klt (odometry.tracker) is of --estimator frame-to-frame (odometry.estimator): the keyframe "
+        "estimator "
+        "follows its points by itself");
+}
+
 nlohmann::ordered_json to_json(const Config& config) {
   Config copy = config;
   nlohmann::ordered_json json;

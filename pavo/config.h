@@ -89,6 +89,8 @@ struct Config {
 bool scale_from_camera_height(const Config& config);
 /// Whether the keyframe estimator is used: "auto" is that, but with the tracker "klt", which is frame-to-frame's.
 bool uses_keyframes(const Config& config);
+/// Throws std::runtime_error, one line, where the tracker is not one of the estimator's.
+void check_estimator(const Config& config);
 /// Puts the M of "camera-height=M" where it belongs, into camera.height_m. Throws std::runtime_error where the scale
 /// needs a height and none is told, or two different ones.
 void settle_camera_height(Config& config);

@@ -154,10 +154,7 @@ void OdometryPipeline::add_frame_to_frame(const Config& config, std::shared_ptr<
 }
 
 void OdometryPipeline::add_keyframe(const Config& config, std::shared_ptr<const StepLength> step_length) {
-  if (config.odometry.tracker == "klt")
-    throw std::runtime_error(
-        "odometry.tracker = \"klt\" is of odometry.estimator = \"frame-to-frame\": the keyframe estimator follows its "
-        "points by itself");
+  check_estimator(config);
   Pipeline<Frame>& p = *pipeline_;
   const KeyframeOdometryOptions options = keyframe_options(config);
   stages_->keyframe.emplace(KeyframeOdometryStage{KeyframeOdometry(rectified_, options, step_length)});

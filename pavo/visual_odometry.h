@@ -24,9 +24,10 @@ struct PoseEstimate {
   std::int64_t frame = 0;         ///< number of push() calls before the one that this answers
   std::int64_t t_capture_ns = 0;  ///< as it was pushed
   /// Row-major 3x4 [R | t]: maps points of the camera (x right, y down, z forward) to the world, which is the camera's
-  /// frame at the first push. One unit is one step: a single camera does not see metres.
+  /// frame at the first push. Metres where the scale says what a metre is; with "unit" the first baseline (or, frame to
+  /// frame, each step) has length 1: a single camera does not see metres.
   std::array<double, 12> T_world_camera{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
-  std::string quality;  ///< "tracked", "standing" (no motion) or "coasting" (the motion model's pose)
+  std::string quality;  ///< "tracked", "standing" (no motion), "coasting" (the motion model's pose), "relocalising"
   std::string failure;  ///< why this frame has no estimate of its own; "" if it has
   int matches = 0, inliers = 0;
   int people = 0;  ///< whose features were left out

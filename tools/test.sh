@@ -7,7 +7,7 @@ cd "$(dirname "$0")/.."
 all=${1:-}
 jobs=$(nproc)
 
-step() { echo; echo "== $*"; }
+step() { echo; printf '== %s (after %d min %02d s)\n' "$*" $((SECONDS / 60)) $((SECONDS % 60)); }
 
 # Builds quietly; a failure shows what the compiler said, not only that it failed.
 build() {

@@ -11,5 +11,5 @@ else
   mapfile -t files < <(git ls-files 'engine/*.cpp' 'stages/*.cpp' 'drivers/*.cpp' 'pavo/*.cpp' 'tools/*.cpp')
 fi
 [ ${#files[@]} -eq 0 ] && { echo "nothing to check"; exit 0; }
-printf '%s\n' "${files[@]}" | xargs -P "$(nproc)" -n 1 clang-tidy -p build/release --quiet --extra-arg=-Wno-unknown-warning-option 2>/dev/null
+printf '%s\n' "${files[@]}" | xargs -P "$(nproc)" -n 1 clang-tidy -p build/release --quiet --extra-arg=-Wno-unknown-warning-option --extra-arg=-Wno-unused-command-line-argument 2>/dev/null
 echo "${#files[@]} files are clean"

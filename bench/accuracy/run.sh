@@ -17,14 +17,14 @@ echo "| sequence | tracker | ATE (Sim3) m | t_rel % | r_rel deg/100 m | length /
 echo "| --- | --- | --- | --- | --- | --- | --- |"
 for sequence in kitti05-300 kitti-street-108 kitti-city-134 kitti01-51; do
   for tracker in descriptor klt; do
-    "$pavo" run "$data/sequences/$sequence" --no-people --scale groundtruth --tracker $tracker --out "$out/$sequence" >/dev/null
+    "$pavo" run "$data/sequences/$sequence" --estimator frame-to-frame --no-people --scale groundtruth --tracker $tracker --out "$out/$sequence" >/dev/null
     report=$out/$sequence/report.json
     echo "| $sequence | $tracker | $(field "$report" accuracy.ate_sim3_m 3) | $(field "$report" accuracy.t_rel_percent 2) |" \
       "$(field "$report" accuracy.r_rel_deg_per_100m 2) | $(field "$report" accuracy.length_m 1) / $(field "$report" accuracy.truth_length_m 1) m | $(field "$report" poses.coasting 0) |"
   done
 done
 
-"$pavo" run "$data/sequences/euroc-standstill-25" --no-people --out "$out/standing" >/dev/null
+"$pavo" run "$data/sequences/euroc-standstill-25" --estimator frame-to-frame --no-people --out "$out/standing" >/dev/null
 echo
 echo "A camera that stands still (euroc-standstill-25, --scale unit): $(cut -d' ' -f4,8,12 "$out/standing/trajectory.kitti" | sort -u | wc -l) position(s) in 25 frames"
 
@@ -33,7 +33,7 @@ echo "| kitti05-300 from its JPEGs, $(nproc) cores, no people | frames a second 
 echo "| --- | --- | --- |"
 for workers in 1 2 4; do
   for _ in 1 2 3 4 5 6 7; do
-    "$pavo" run "$data/sequences/kitti05-300" --no-people --scale groundtruth --workers $workers --out "$out/speed" >/dev/null
+    "$pavo" run "$data/sequences/kitti05-300" --estimator frame-to-frame --no-people --scale groundtruth --workers $workers --out "$out/speed" >/dev/null
     field "$out/speed/report.json" fps 0
   done | sort -n | sed -n 4p >"$out/fps"
   echo "| --workers $workers | $(cat "$out/fps") | $(sha256sum "$out/speed/trajectory.kitti" | cut -c1-16)... |"

@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 constexpr double kFastest_m_per_s = 1e4;
-constexpr std::size_t kLongestLine = 256, kMostFeeds = 16;
+constexpr std::size_t kLongestSample = 256, kMostFeeds = 16;
 
 double seconds(std::int64_t from_ns, std::int64_t to_ns) {
   return static_cast<double>(to_ns - from_ns) * 1e-9;
@@ -122,7 +122,7 @@ bool LiveSpeed::read_from(Feed& feed) {
     if (c == '\n') {
       take(feed.line);
       feed.line.clear();
-    } else if (feed.line.size() <= kLongestLine) {  // longer is no sample, and is not kept
+    } else if (feed.line.size() <= kLongestSample) {  // longer is no sample, and is not kept
       feed.line += c;
     }
   }
@@ -133,7 +133,7 @@ bool LiveSpeed::read_from(Feed& feed) {
 void LiveSpeed::take(std::string_view line) {
   while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) line.remove_suffix(1);
   if (line.empty() || line.front() == '#') return;
-  const std::optional<SpeedSample> sample = line.size() > kLongestLine ? std::nullopt : parse_speed_line(line);
+  const std::optional<SpeedSample> sample = line.size() > kLongestSample ? std::nullopt : parse_speed_line(line);
   const bool taken = sample && std::abs(sample->m_per_s) < kFastest_m_per_s && history_.add(*sample);
   const std::lock_guard lock(mutex_);
   if (taken) {

@@ -14,7 +14,7 @@ struct PublishedPose {
   std::int64_t t_capture_ns = 0;  ///< a camera's: CLOCK_MONOTONIC
   double age_ms = 0;              ///< from the sensor's stamp to this line
   SE3 T_world_camera;
-  std::string_view quality;  ///< "tracked", "standing", "coasting"
+  std::string_view quality;  ///< "tracked", "standing", "coasting", "relocalising"
 };
 
 /// Appends to `line` (which keeps its capacity)

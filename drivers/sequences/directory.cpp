@@ -11,10 +11,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool is_digit(char c) {
-  return c >= '0' && c <= '9';
-}
-
 /// Takes the number that `text` begins with, without leading zeros.
 std::string_view take_number(std::string_view& text) {
   while (!text.empty() && text.front() == '0') text.remove_prefix(1);

@@ -8,6 +8,11 @@
 
 namespace pavo {
 
+/// '0' to '9', whatever the locale.
+constexpr bool is_digit(char c) {
+  return c >= '0' && c <= '9';
+}
+
 /// Numbers inside names count as numbers: "frame9" < "frame10". A total order.
 bool natural_less(std::string_view a, std::string_view b);
 

@@ -20,12 +20,6 @@ KittiFile read_kitti_file(const fs::path& path) {
   return KittiFile(read_whole_file(path.string()), path.string());
 }
 
-/// "K_0" and 2: "K_02".
-std::string numbered(std::string key, int camera) {
-  key += static_cast<char>('0' + camera);
-  return key;
-}
-
 /// The rectified camera n in rectified camera 0: P_rect_0n = K [I | t].
 SE3 rectified_motion(const KittiFile& file, int camera) {
   const auto p = file.numbers(numbered("P_rect_0", camera), 12);

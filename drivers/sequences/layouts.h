@@ -15,6 +15,12 @@ namespace pavo {
 Recording open_kitti_odometry(const std::string& source, const std::filesystem::path& folder, int camera,
                               const SequenceOptions& options);
 
+/// "image_0" of camera 2 is "image_02": how KITTI raw numbers its folders, and the keys of its calibration.
+inline std::string numbered(std::string name, int camera) {
+  name += static_cast<char>('0' + camera);
+  return name;
+}
+
 /// A drive of KITTI's raw data: image_00/ ... image_03/ with data/ and timestamps.txt, oxts/; the calib_*.txt of the
 /// day one folder up.
 Recording open_kitti_raw(const std::string& source, const std::filesystem::path& folder, int camera,

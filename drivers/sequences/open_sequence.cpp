@@ -24,11 +24,6 @@ Found found(const char* layout, Open open) {
           }};
 }
 
-std::string numbered(std::string name, int n) {
-  name += static_cast<char>('0' + n);
-  return name;
-}
-
 std::optional<Found> kitti_raw(const std::string& source, const fs::path& folder, int first, int last) {
   for (int n = first; n <= last; ++n) {
     if (!is_folder(folder / numbered("image_0", n) / "data")) continue;

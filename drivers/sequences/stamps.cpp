@@ -4,16 +4,13 @@
 #include <chrono>
 
 #include "drivers/calibration/text.h"
+#include "drivers/sequences/directory.h"
 
 namespace pavo {
 namespace {
 
 constexpr std::size_t kLongestNumber = 64;
 constexpr int kLargestExponent = 64;
-
-bool is_digit(char c) {
-  return c >= '0' && c <= '9';
-}
 
 template <typename Integer>
 std::optional<Integer> parse_integer(std::string_view text) {

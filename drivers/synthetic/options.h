@@ -18,7 +18,7 @@ struct Standstill {
 
 struct SyntheticOptions {
   std::uint64_t seed = 1;  ///< another seed is another street, with other people in it
-  int frames = 300;        ///< 1 to 1 000 000
+  int frames = 300;        ///< 1 to 100 000
   double rate_hz = 10;     ///< of the camera
   double speed_mps = 8;    ///< of the camera along the street, 0 to 40; 0.8 m a frame at 10 Hz
   bool loop = false;       ///< true: the street is closed (some 440 m) and driven round for as many frames as asked

@@ -156,11 +156,11 @@ void draw_grid(svg::Writer& out, const Axes& axes) {
   out.path(grid, {"#e4e4e4", 1});
 }
 
-void draw_frame(svg::Writer& out, const Axes& axes) {
+void draw_frame(svg::Writer& out, const Axes& axes, const std::string& unit) {
   const Box& paper = axes.paper;
   out.outline(paper.low, paper.size(), {"#888888", 1});
-  out.text({paper.centre().x(), paper.high.y() + 42}, "x (m)", {.size_px = kText_px, .anchor = "middle"});
-  out.text({paper.low.x() - 50, paper.centre().y()}, "z (m)",
+  out.text({paper.centre().x(), paper.high.y() + 42}, "x (" + unit + ")", {.size_px = kText_px, .anchor = "middle"});
+  out.text({paper.low.x() - 50, paper.centre().y()}, "z (" + unit + ")",
            {.size_px = kText_px, .anchor = "middle", .upwards = true});
 }
 
@@ -204,10 +204,10 @@ std::size_t crowding(const std::vector<Curve>& curves, const Box& box) {
 }
 
 /// In the emptiest corner; the lower right one where they are equal.
-void draw_scale_bar(svg::Writer& out, const Axes& axes, const std::vector<Curve>& curves) {
+void draw_scale_bar(svg::Writer& out, const Axes& axes, const std::vector<Curve>& curves, const std::string& unit) {
   const double length_m = round_step(0.12 * axes.paper.size().x() / axes.px_per_m);
   const double bar_px = length_m * axes.px_per_m;
-  const std::string label = svg::tick(length_m, length_m) + " m";
+  const std::string label = svg::tick(length_m, length_m) + " " + unit;
   const Vector2d size(std::max(bar_px, svg::text_width_px(label, kTickText_px)) + 20, 38);
   const Vector2d low = axes.paper.low + Vector2d(10, 10);
   const Vector2d high = axes.paper.high - size - Vector2d(10, 10);
@@ -277,8 +277,8 @@ std::string trajectory_svg(const TrajectoryPlot& plot) {
   put_on_paper(curves, axes);
   draw_grid(out, axes);
   draw_curves(out, curves);
-  draw_scale_bar(out, axes, curves);
-  draw_frame(out, axes);
+  draw_scale_bar(out, axes, curves, plot.unit);
+  draw_frame(out, axes, plot.unit);
   return out.document({width_px, axes.paper.high.y() + kBottom_px},
                       plot.title.empty() ? "Trajectories from above" : plot.title);
 }

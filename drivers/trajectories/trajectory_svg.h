@@ -26,6 +26,7 @@ struct TrajectoryPlot {
   std::string title;              ///< "" = none
   std::string note;               ///< one more line of the legend: "estimates aligned by Sim(3)"
   std::vector<PlotCurve> curves;  ///< drawn in this order, references first
+  std::string unit = "m";         ///< of the axes and the scale bar
 };
 
 /// Points that change no more than a fraction of a pixel are left out (Douglas and Peucker, Cartographica 1973), and a

@@ -16,9 +16,9 @@ bool is_digit(std::uint8_t c) {
   return c >= '0' && c <= '9';
 }
 
-class Reader {
+class NetpbmReader {
  public:
-  Reader(Bytes bytes, std::size_t at) : bytes_(bytes), at_(at) {}
+  NetpbmReader(Bytes bytes, std::size_t at) : bytes_(bytes), at_(at) {}
 
   /// The next number, behind spaces and comments. Throws when there is none, or it is above 2^31 - 1.
   int number(const char* what) {
@@ -95,7 +95,7 @@ void read_binary(const Header& header, Bytes data, Image& out) {
   }
 }
 
-void read_ascii(const Header& header, Reader& reader, std::size_t bytes, Image& out) {
+void read_ascii(const Header& header, NetpbmReader& reader, std::size_t bytes, Image& out) {
   if (header.samples() > bytes / static_cast<std::size_t>(header.height))  // a sample is a digit at least
     throw std::runtime_error("PGM/PPM: premature end of the file");
   out.resize(header.width, header.height);
@@ -117,7 +117,7 @@ void decode_netpbm(Bytes bytes, const SizeCheck& check_size, Image& out) {
   Header header;
   header.ascii = bytes[1] == '2' || bytes[1] == '3';
   header.colour = bytes[1] == '3' || bytes[1] == '6';
-  Reader reader(bytes, 2);
+  NetpbmReader reader(bytes, 2);
   header.width = reader.number("width");
   header.height = reader.number("height");
   header.largest = reader.number("largest value");

@@ -16,7 +16,7 @@
 namespace pavo::decode_detail {
 namespace {
 
-struct Reader {
+struct PngReader {
   Bytes bytes;
   std::size_t at = 0;
   std::array<char, 160> error{};
@@ -25,7 +25,7 @@ struct Reader {
 /// libpng is C: no exception may pass through it. The message is kept, and the jump lands in a frame without
 /// destructors.
 [[noreturn]] void on_error(png_structp png, png_const_charp message) {
-  auto& reader = *static_cast<Reader*>(png_get_error_ptr(png));
+  auto& reader = *static_cast<PngReader*>(png_get_error_ptr(png));
   std::snprintf(reader.error.data(), reader.error.size(), "%s", message);
   png_longjmp(png, 1);
 }
@@ -34,7 +34,7 @@ struct Reader {
 void on_warning(png_structp, png_const_charp) {}
 
 void read_bytes(png_structp png, png_bytep out, png_size_t count) {
-  auto& reader = *static_cast<Reader*>(png_get_io_ptr(png));
+  auto& reader = *static_cast<PngReader*>(png_get_io_ptr(png));
   if (count > reader.bytes.size() - reader.at) png_error(png, "premature end of the file");
   std::memcpy(out, reader.bytes.data() + reader.at, count);
   reader.at += count;
@@ -95,7 +95,7 @@ class Decoder {
     return true;
   }
 
-  Reader reader_;
+  PngReader reader_;
   png_structp png_ = nullptr;
   png_infop info_ = nullptr;
 };

@@ -41,10 +41,6 @@ Eigen::Matrix3d homography_at_infinity(const Camera& camera, const GroundImage& 
                     Eigen::Vector3d::Zero());
 }
 
-double squared(double x) {
-  return x * x;
-}
-
 }  // namespace
 
 // The strip of ground to look at lies along the way. Blocks next to it come first; more of them are taken only where

@@ -10,6 +10,10 @@
 
 namespace pavo {
 
+constexpr double squared(double x) {
+  return x * x;
+}
+
 /// Attitude of the camera to the ground. Pitch: of the optical axis above the horizon (negative: it looks down).
 /// Roll: positive where the right side hangs lower.
 struct GroundAttitude {

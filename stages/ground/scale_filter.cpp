@@ -8,10 +8,6 @@
 namespace pavo {
 namespace {
 
-double squared(double x) {
-  return x * x;
-}
-
 // dm / d(ln |m|, pitch, roll)
 Eigen::Matrix3d derivative(double length, const GroundAttitude& attitude) {
   Eigen::Matrix3d B;

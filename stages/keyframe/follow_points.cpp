@@ -9,13 +9,7 @@ namespace pavo {
 namespace {
 
 bool on_person(const Eigen::Vector2f& px, const People& people, const PeopleMaskOptions& mask) {
-  for (const PersonBox& box : people) {
-    const float x = box.x + box.width / 2, y = box.y + box.height / 2;
-    if (std::abs(px.x() - x) <= box.width / 2 * mask.width_factor &&
-        std::abs(px.y() - y) <= box.height / 2 * mask.height_factor)
-      return true;
-  }
-  return false;
+  return std::ranges::any_of(people, [&](const PersonBox& box) { return in_outline(box, px.x(), px.y(), mask); });
 }
 
 }  // namespace
@@ -192,7 +186,8 @@ bool KeyframeOdometry::State::standing(PoseResult& out) {
     if (point.id != 0 && point.now == TrackedPoint::Now::found && point.in_still)
       pairs.push_back({point.still_px.x(), point.still_px.y(), point.px.x(), point.px.y()});
   if (!stands_still(pairs, camera, options.motion.standstill, at_rest)) return false;
-  out.T_w_c = last_T;
+  out.T_w_c = published_T;  // to the bit, even where the map has moved
+  stays = true;
   out.quality = Quality::standing;
   out.reason = PoseReason::standstill;
   return true;

@@ -10,10 +10,12 @@
 
 namespace pavo {
 void KeyframeOdometry::State::begin(const FrameTime& now, PoseResult& out, KeyframeRecord& record) {
-  out.begin(last_T);
+  out.begin(published_T);
+  stays = false;
   record.clear();
   record.frame = now.index;
   record.unit = unit;
+  for (const Keyframe& k : keyframes) record.before.push_back({k.time.index, k.T_w_c});
 }
 
 // The map's keyframe has moved, and lengths may have changed: so does all that hangs on it.
@@ -22,14 +24,16 @@ void KeyframeOdometry::State::take_over(const MapUpdate& update) {
   const auto it =
       std::find_if(keyframes.begin(), keyframes.end(), [&](const Keyframe& k) { return k.time.index == update.frame; });
   if (it == keyframes.end()) return;
+  // By all that the map was scaled since the last update that came: live, there may have been others between.
+  const double scale = update.unit / unit;
   unit = update.unit;
   camera = refined_camera(calibrated, update.lens);
-  uncertainty.take_over(update);
+  uncertainty.take_over(update, scale);
   scale_known = scale_known || update.scale_variance >= 0;
   const SE3 old = it->T_w_c;
   const Eigen::Matrix3d R = update.T_w_c.R * old.R.transpose();
   const auto moved = [&](const Eigen::Vector3d& p) -> Eigen::Vector3d {
-    return update.T_w_c.t + update.scale * (R * (p - old.t));
+    return update.T_w_c.t + scale * (R * (p - old.t));
   };
   const auto move_pose = [&](SE3& T) {
     T.R = Eigen::Quaterniond(R * T.R).normalized().toRotationMatrix();
@@ -38,13 +42,13 @@ void KeyframeOdometry::State::take_over(const MapUpdate& update) {
   move_pose(last_T);
   for (Keyframe& k : keyframes) move_pose(k.T_w_c);
   it->T_w_c = update.T_w_c;
-  motion_model.scale(update.scale);
-  median_rho /= update.scale, high_rho /= update.scale;
+  motion_model.scale(scale);
+  median_rho /= scale, high_rho /= scale;
   for (TrackedPoint& p : points) {
     if (p.id == 0) continue;
     p.ray.origin = moved(p.ray.origin);
     p.ray.direction = R * p.ray.direction;
-    p.ray.rho /= update.scale, p.ray.sigma_rho /= update.scale;
+    p.ray.rho /= scale, p.ray.sigma_rho /= scale;
     p.patch_position = moved(p.patch_position);
     p.patch_axis = R * p.patch_axis;
   }
@@ -126,7 +130,8 @@ bool KeyframeOdometry::State::follow(const FrameTime& now, const FrameView& curr
 void KeyframeOdometry::State::coast(const FrameTime& now, PoseResult& out) {
   const SE3 step = motion_model.predict(last_time, now);
   out.quality = Quality::coasting;
-  if (!started || (step.R.isIdentity(0) && step.t.isZero(0))) return;  // at rest: to the bit
+  stays = !started || (step.R.isIdentity(0) && step.t.isZero(0));
+  if (stays) return;  // at rest: to the bit
   out.T_w_c = last_T * step;
   out.T_w_c.R = Eigen::Quaterniond(out.T_w_c.R).normalized().toRotationMatrix();
   out.step_m = step.t.norm();
@@ -137,7 +142,8 @@ void KeyframeOdometry::State::end(const FrameTime& now, bool estimated, PoseResu
   out.covariance = uncertainty.covariance(out.T_w_c);
   out.has_covariance = true;
   last_time = now;
-  last_T = out.T_w_c;
+  published_T = out.T_w_c;
+  if (!stays) last_T = out.T_w_c;
   last_kept.assign(out.kept.begin(), out.kept.end());
   lost = estimated ? 0 : lost + 1;
   for (TrackedPoint& point : points)
@@ -182,7 +188,7 @@ void KeyframeOdometry::operator()(const FrameTime& now, const FrameView& current
   if (!estimated) {
     s.coast(now, out);
     if (usable && s.started && s.lost + 1 >= s.options.lost_after) {
-      s.has_map = false;
+      s.has_map = s.stays = false;
       s.set_reference(now, current, out, record);
       s.lost = -1;
       out.quality = Quality::relocalising;

@@ -25,7 +25,7 @@ struct KeyframeOdometryOptions {
   std::uint64_t seed = 0;
   float match_ratio = 0.85f;
   PeopleMaskOptions people_mask;
-  RelativeMotionOptions motion;  ///< of the start
+  RelativeMotionOptions motion{.planes = true};  ///< of the start, and where points are not found as expected
   AlignOptions align;
 
   int max_points = 500;           ///< that are followed

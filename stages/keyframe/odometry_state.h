@@ -92,9 +92,10 @@ struct KeyframeOdometry::State {
   bool started = false, has_reference = false, has_map = false, has_scale = false, scale_known = false,
        standing_now = false;
   FrameTime last_time;
-  SE3 last_T;       // in the map as it is now
-  SE3 published_T;  // as it was published
-  double unit = 1;  // of the map as it was taken over last
+  SE3 last_T;          // in the map as it is now
+  SE3 published_T;     // as it was published
+  bool stays = false;  // this frame is where the last one is: last_T goes on being the map's
+  double unit = 1;     // of the map as it was taken over last
   std::vector<std::uint8_t> last_kept;
   FrameTime still_time;
   int lost = 0;

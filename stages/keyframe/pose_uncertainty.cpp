@@ -33,10 +33,11 @@ void PoseUncertainty::begin_map() {
   noise_.setZero();
 }
 
-void PoseUncertainty::take_over(const MapUpdate& update) {
-  scale_.walk(update.scale_walk);
+void PoseUncertainty::take_over(const MapUpdate& update, double scale) {
+  scale_.walk(update.scale_walk - walked_);
+  walked_ = update.scale_walk;
   if (update.scale_variance >= 0) scale_.measured(update.scale_variance);
-  scale_.rescale(update.scale);
+  scale_.rescale(scale);
 }
 
 Matrix6d PoseUncertainty::covariance(const SE3& T_w_c) const {

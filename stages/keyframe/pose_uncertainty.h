@@ -36,8 +36,8 @@ class PoseUncertainty {
   void begin_map();
   /// A map begins, in a unit whose logarithm has this standard deviation.
   void begin_scale(double log_sigma) { scale_.restart(log_sigma * log_sigma); }
-  /// What the map found out; the pose is moved by that.
-  void take_over(const MapUpdate& update);
+  /// What the map found out; the pose is moved by that, and all lengths are `scale` times what they were.
+  void take_over(const MapUpdate& update, double scale);
 
   /// Of the pose that step() or coast() came to.
   Matrix6d covariance(const SE3& T_w_c) const;
@@ -50,6 +50,7 @@ class PoseUncertainty {
   Matrix6d drift_ = Matrix6d::Zero(), noise_ = Matrix6d::Zero();
   Matrix6d by_way_ = Matrix6d::Zero();  ///< d xi / d what every metre adds
   ScaleError scale_;
+  double walked_ = 0;  ///< of the map's scale, as far as it was taken over
 };
 
 }  // namespace pavo

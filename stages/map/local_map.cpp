@@ -17,9 +17,9 @@ LocalMap::LocalMap(const Camera& camera, const LocalMapOptions& options)
 }
 
 void LocalMap::add(const KeyframeRecord& record, double unit) {
-  scale_ = 1;
-  if (record.restart) reset();
-  insert(record, unit);
+  const std::optional<SE3> hangs = in_newest(record);
+  if (!hangs) reset();
+  insert(record, hangs, unit);
   build();
   if (bundle_.points.size() < 10 || count_ < 2) return;
   const BundleSummary summary = adjust_(bundle_);
@@ -52,10 +52,22 @@ void LocalMap::reset() {
   first_ = count_ = 0;
 }
 
-void LocalMap::insert(const KeyframeRecord& record, double unit) {
-  SE3 T = record.T_w_c;
-  if (count_ > 0) T = window_[keyframe(count_ - 1)].T_w_c * SE3{record.T_last_c.R, unit * record.T_last_c.t};
-  if (count_ > 0)
+bool LocalMap::is_next(const KeyframeRecord& record) const {
+  if (count_ == 0 || record.restart) return false;
+  return record.before.empty() || record.before.back().frame == newest_frame();
+}
+
+std::optional<SE3> LocalMap::in_newest(const KeyframeRecord& record) const {
+  if (is_next(record)) return record.T_last_c;
+  if (count_ == 0 || record.restart) return std::nullopt;
+  for (const KeyframePose& k : record.before)
+    if (k.frame == newest_frame()) return k.T_w_c.inverse() * record.T_w_c;
+  return std::nullopt;
+}
+
+void LocalMap::insert(const KeyframeRecord& record, const std::optional<SE3>& in_newest, double unit) {
+  const SE3 T = in_newest ? newest_pose() * SE3{in_newest->R, unit * in_newest->t} : record.T_w_c;
+  if (is_next(record))
     for (const KeyframeRecord::Observation& seen : record.in_last_keyframe)
       window_[keyframe(count_ - 1)].observations.push_back({seen.point, seen.x, seen.y, 1 / seen.sigma_px});
   if (count_ == window_.size()) {
@@ -154,7 +166,6 @@ double LocalMap::newest_baseline() const {
 }
 
 void LocalMap::rescale(double factor) {
-  scale_ *= factor;
   const Eigen::Vector3d fixed = newest_pose().t;
   for (std::size_t i = 0; i < count_; ++i) {
     SE3& T = window_[keyframe(i)].T_w_c;
@@ -172,7 +183,6 @@ void LocalMap::report(MapUpdate& update) const {
   update.clear();
   update.valid = true;
   update.frame = newest_frame();
-  update.scale = scale_;
   update.T_w_c = newest_pose();
   update.lens = lens_;
   for (std::size_t i = 0; i < count_; ++i)

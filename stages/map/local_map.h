@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "stages/map/bundle_adjustment.h"
@@ -24,15 +25,20 @@ class LocalMap {
  public:
   LocalMap(const Camera& camera, const LocalMapOptions& options);
 
-  /// The next keyframe joins, and all are adjusted. Its lengths times `unit` are the map's.
+  /// The next keyframe joins, and all are adjusted. Its lengths times `unit` are the map's. Where none is here that it
+  /// hangs on, what was here is forgotten, and it is the first of a new map.
   void add(const KeyframeRecord& record, double unit = 1);
+  /// Where the frame is in the newest keyframe's camera, in its own unit; nothing where it does not hang on that one.
+  std::optional<SE3> in_newest(const KeyframeRecord& record) const;
+  /// Whether the newest keyframe is the one that T_last_c is from.
+  bool is_next(const KeyframeRecord& record) const;
   std::int64_t newest_frame() const { return window_[keyframe(count_ - 1)].frame; }
   const SE3& newest_pose() const { return window_[keyframe(count_ - 1)].T_w_c; }
   /// Of the way between the two newest keyframes; 0 where there is none.
   double newest_baseline() const;
   /// Lengths are so many times as large; the newest keyframe stays where it is.
   void rescale(double factor);
-  /// What the odometry is to know: `scale`, the product of the factors since the last report.
+  /// What the odometry is to know, but for all that is about scale.
   void report(MapUpdate& update) const;
 
   const LensError& lens() const { return lens_; }
@@ -57,7 +63,7 @@ class LocalMap {
 
   Point* find(PointId id);
   void reset();
-  void insert(const KeyframeRecord& record, double unit);
+  void insert(const KeyframeRecord& record, const std::optional<SE3>& in_newest, double unit);
   void build();
   void take_over();
   void cull();
@@ -74,7 +80,6 @@ class LocalMap {
   std::vector<Point> points_;
   std::vector<PointId> order_;  ///< of the bundle's points
   std::vector<int> cursor_;
-  double scale_ = 1;
   LensError lens_ = LensError::Zero();
   Eigen::Matrix2d lens_information_ = Eigen::Matrix2d::Zero();
   std::size_t keyframe(std::size_t i) const { return (first_ + i) % window_.size(); }

@@ -42,6 +42,10 @@ struct KeyframeRecord {
   std::vector<Observation> observations;
   std::vector<Observation> in_last_keyframe;  ///< of new points, where the keyframe before had seen them already
   std::vector<NewPoint> new_points;
+  /// The keyframes before that the map may not have told of yet, as the odometry has them now, the oldest first.
+  /// T_last_c is from the last of them; where the map did not get that one (live, a keyframe may be skipped), from
+  /// another.
+  std::vector<KeyframePose> before;
   /// Not for the map but for who wants to know: the keyframes that it adjusted last, where the odometry took that over.
   std::vector<KeyframePose> adjusted;
 
@@ -50,6 +54,7 @@ struct KeyframeRecord {
     observations.reserve(points);
     in_last_keyframe.reserve(points);
     new_points.reserve(points);
+    before.reserve(keyframes);
     adjusted.reserve(keyframes);
   }
   void clear() {
@@ -60,6 +65,7 @@ struct KeyframeRecord {
     observations.clear();
     in_last_keyframe.clear();
     new_points.clear();
+    before.clear();
     adjusted.clear();
   }
 };
@@ -72,13 +78,13 @@ struct MapUpdate {
     bool good = true;  ///< false: it does not stand still, or was never the same point: drop it
   };
   bool valid = false;
-  std::int64_t frame = -1;             ///< of the keyframe
-  SE3 T_w_c;                           ///< of the keyframe, adjusted
-  double scale = 1;                    ///< lengths after / before: for what was made since and is not listed here
-  double unit = 1;                     ///< the product of all scales so far
+  std::int64_t frame = -1;  ///< of the keyframe
+  SE3 T_w_c;                ///< of the keyframe, adjusted
+  double unit = 1;          ///< of all lengths, by that of the first map: what was made since and is not listed
+                            ///< here is to be scaled by how much it has grown
   LensError lens = LensError::Zero();  ///< what the calibration is off by, as it is known now
-  /// Variance of the logarithm of the scale's error, and how much of it came anew since the last update; negative: no
-  /// more is known than before.
+  /// Variance of the logarithm of the scale's error (negative: no more is known than before), and all that ever came to
+  /// it anew.
   double scale_variance = -1, scale_walk = 0;
   std::optional<GroundAttitude> attitude;  ///< how the camera is held over the ground, where that was seen
   std::vector<Point> points;
@@ -88,7 +94,7 @@ struct MapUpdate {
     window.clear();
     valid = false;
     frame = -1;
-    scale = unit = 1;
+    unit = 1;
     scale_variance = -1, scale_walk = 0;
     attitude.reset();
     points.clear();

@@ -9,38 +9,41 @@ MetricMap::MetricMap(const Camera& camera, const MetricMapOptions& options)
 }
 
 bool MetricMap::operator()(const KeyframeRecord& frame, const Image& image, const People& people, MapUpdate& update) {
-  if (frame.restart) unit_ = frame.unit;
+  const bool anew = frame.is_keyframe && !map_.in_newest(frame);
+  if (anew) unit_ = frame.unit;
   const double unit = unit_ / frame.unit;  // the odometry has not heard yet of what was made of the last frames
   if (!frame.is_keyframe) {
     if (ground_) look_between_keyframes(frame, image, people, unit);
     return false;
   }
+  const bool has_baseline = map_.is_next(frame) && frame.baseline_log_sigma > 0;
   map_.add(frame, unit);
-  const double factor = ground_ ? metres_by_ground(frame, image, people) : metres_by_sensor(frame);
-  apply_scale(frame, factor, update);
+  if (anew && !ground_) variance_ = 1;
+  const double factor = ground_ ? metres_by_ground(frame, image, people, anew) : metres_by_sensor(frame, has_baseline);
+  apply_scale(ground_ ? ground_->known() : has_baseline, factor, update);
   return true;
 }
 
 // The way until here was measured with the scale that turns out to be wrong, and stays as it was published: the map is
 // scaled about its newest keyframe, so that the path does not jump.
-void MetricMap::apply_scale(const KeyframeRecord& keyframe, double factor, MapUpdate& update) {
-  const bool sensed = ground_ ? ground_->known() : keyframe.baseline_log_sigma > 0;
+void MetricMap::apply_scale(bool sensed, double factor, MapUpdate& update) {
   const double variance = ground_ ? ground_->sigma() * ground_->sigma() : variance_;
-  if (!ground_) walk_ = options_.scale_walk * options_.scale_walk;
+  if (!ground_) walk_ += options_.scale_walk * options_.scale_walk;
   if (factor != 1) map_.rescale(factor);
   unit_ *= factor;
   map_.report(update);
   update.unit = unit_;
   update.scale_variance = sensed ? variance : -1;
   update.scale_walk = walk_;
-  walk_ = 0;
   if (ground_ && ground_->known()) update.attitude = ground_->attitude();
 }
 
 void MetricMap::look_between_keyframes(const KeyframeRecord& frame, const Image& image, const People& people,
                                        double unit) {
   constexpr double kWorthALook = 0.25;  // of the way between keyframes
-  const SE3 T = map_.newest_pose() * SE3{frame.T_last_c.R, unit * frame.T_last_c.t};
+  const std::optional<SE3> in_newest = map_.in_newest(frame);
+  if (!in_newest) return;
+  const SE3 T = map_.newest_pose() * SE3{in_newest->R, unit * in_newest->t};
   if ((T.t - looked_from_.t).norm() < kWorthALook * map_.newest_baseline()) return;
   look_at_ground(frame.frame, image, T, people);
 }
@@ -55,8 +58,9 @@ void MetricMap::look_at_ground(std::int64_t frame, const Image& image, const SE3
 }
 
 // The map is in metres from when the ground was seen first: what the filter says since is the correction that is left.
-double MetricMap::metres_by_ground(const KeyframeRecord& keyframe, const Image& image, const People& people) {
-  if (keyframe.restart) {
+double MetricMap::metres_by_ground(const KeyframeRecord& keyframe, const Image& image, const People& people,
+                                   bool anew) {
+  if (anew) {
     // What the motion model knows of the scale is better than nothing, until the ground is seen again.
     const bool was_known = ground_->known();
     ground_->restart();
@@ -70,11 +74,10 @@ double MetricMap::metres_by_ground(const KeyframeRecord& keyframe, const Image& 
 }
 
 // A Kalman filter of one number: the logarithm of the length that the map should have had.
-double MetricMap::metres_by_sensor(const KeyframeRecord& keyframe) {
-  if (keyframe.restart) variance_ = 1;
+double MetricMap::metres_by_sensor(const KeyframeRecord& keyframe, bool has_baseline) {
   variance_ += options_.scale_walk * options_.scale_walk;
   const double length = map_.newest_baseline();
-  if (keyframe.baseline_log_sigma <= 0 || length < 1e-9 || keyframe.baseline_m < 1e-9) return 1;
+  if (!has_baseline || length < 1e-9 || keyframe.baseline_m < 1e-9) return 1;
   const double noise = keyframe.baseline_log_sigma * keyframe.baseline_log_sigma;
   const double gain = variance_ / (variance_ + noise);
   variance_ *= 1 - gain;

@@ -35,9 +35,9 @@ class MetricMap {
  private:
   void look_between_keyframes(const KeyframeRecord& frame, const Image& image, const People& people, double unit);
   void look_at_ground(std::int64_t frame, const Image& image, const SE3& T_map_camera, const People& people);
-  double metres_by_ground(const KeyframeRecord& keyframe, const Image& image, const People& people);
-  double metres_by_sensor(const KeyframeRecord& keyframe);
-  void apply_scale(const KeyframeRecord& keyframe, double factor, MapUpdate& update);
+  double metres_by_ground(const KeyframeRecord& keyframe, const Image& image, const People& people, bool anew);
+  double metres_by_sensor(const KeyframeRecord& keyframe, bool has_baseline);
+  void apply_scale(bool sensed, double factor, MapUpdate& update);
 
   MetricMapOptions options_;
   LocalMap map_;
@@ -46,7 +46,7 @@ class MetricMap {
   SE3 looked_from_;
   double unit_ = 1;      ///< the product of all factors by which the map was scaled
   double variance_ = 1;  ///< of the map's log(scale), by the sensor's filter
-  double walk_ = 0;      ///< of it since the last keyframe
+  double walk_ = 0;      ///< all that ever came to it anew
 };
 
 }  // namespace pavo

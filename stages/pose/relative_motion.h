@@ -18,7 +18,10 @@ namespace pavo {
 
 struct RelativeMotionOptions {
   int min_matches = 20;  ///< fewer: nothing is estimated
-  bool refine = true;    ///< five-parameter refinement behind the eight-point; off: the textbook's chain
+  /// Consider that all may lie on one plane, where the eight-point has no answer. Off: the textbook's chain.
+  bool planes = false;
+  double plane_share = 0.9;  ///< of the eight-point's inliers that a plane must explain to be considered
+  bool refine = true;        ///< five-parameter refinement behind the eight-point; off: the textbook's chain
   /// Motion beyond the rotation's that a match must show to be asked for the direction of t.
   double min_parallax_px = 0.5;
   double min_parallax_share = 0.05;  ///< of the inliers; fewer: the camera only turned
@@ -56,8 +59,10 @@ class RelativeMotionEstimator {
 
  private:
   RelativeMotion moving(std::span<const PointPair> pairs, Random random, std::vector<std::uint8_t>& is_inlier);
-  InFront refined(std::span<const PointPair> pairs, const RansacResult& ransac,
+  InFront refined(std::span<const PointPair> pairs, const RansacResult& ransac, Random random,
                   std::span<const std::uint8_t> is_inlier);
+  double refine_candidate(std::span<const PointPair> pairs, const Eigen::Matrix3d& F, SE3& T_c_p);
+  void consider_plane(std::span<const PointPair> pairs, int inliers_of_F, Random random, double least, SE3& best);
   void select_inliers(std::span<const PointPair> pairs, const Eigen::Matrix3d& F);
   Eigen::Matrix3d fundamental_of(const SE3& T_c_p) const;
   int mark_inliers(const SE3& T_c_p, std::vector<std::uint8_t>& is_inlier) const;
@@ -65,7 +70,7 @@ class RelativeMotionEstimator {
   Camera camera_;
   RelativeMotionOptions options_;
   RansacScratch scratch_;
-  std::vector<std::uint8_t> selected_;
+  std::vector<std::uint8_t> selected_, on_plane_;
   PointPairs inlier_pairs_;
   SampsonPoints inlier_points_;
 };

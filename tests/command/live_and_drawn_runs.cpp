@@ -80,6 +80,24 @@ TEST(DrawnRuns, MakeAFilm) {
   EXPECT_NEAR(video.get(cv::CAP_PROP_FPS), 10, 0.01);
 }
 
+// FFmpeg tells nobody that the disk is full.
+TEST(DrawnRuns, FilmsThatAreNotWholeAreTold) {
+  const Recording recording;
+  const std::string film = recording.out("film.mp4");
+  const Called called = pavo({"run", recording.path(), "--no-people", "--draw", film}, "trap '' XFSZ; ulimit -f 16");
+  EXPECT_EQ(called.status, 1);
+  EXPECT_THAT(called.error, AllOf(IsOneLine(), HasSubstr("film.mp4 is incomplete")));
+}
+
+TEST(DrawnRuns, DoNotOverwriteTheRecordingsPictures) {
+  const Recording recording;
+  const Called called = pavo(recording.run({"--draw", recording.file("image_0")}));
+  EXPECT_EQ(called.status, 2);
+  EXPECT_THAT(called.error, AllOf(IsOneLine(), HasSubstr("--draw"), HasSubstr("would be overwritten")));
+  EXPECT_FALSE(std::filesystem::exists(recording.file("image_0/000000.jpg")));
+  EXPECT_EQ(pavo(recording.run({"--draw", recording.file("drawn")})).status, 0) << "a folder of its own may be there";
+}
+
 TEST(DrawnRuns, ThatCannotBeWrittenKeepTheOtherOutputs) {
   const Recording recording;
   for (const std::string& where :

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <opencv2/imgcodecs.hpp>
 #include <string>
 
 #include "drivers/models/model_file.h"
@@ -56,6 +57,15 @@ class Detect : public testing::Test {
   PedestrianModel model_;
   Image picture_ = textured(150, 200, 5);
 };
+
+TEST_F(Detect, DrawsNothingOverThePictures) {
+  cv::imwrite(at("photo.png"), cv::Mat(200, 150, CV_8UC1, cv::Scalar(90)));
+  const std::string before = bytes_of(at("photo.png"));
+  const Called called = pavo({"detect", at("photo.png"), "--model", at("model.txt"), "--draw", at("")});
+  EXPECT_EQ(called.status, 2);
+  EXPECT_THAT(called.error, AllOf(IsOneLine(), HasSubstr("photo.png would be overwritten")));
+  EXPECT_EQ(bytes_of(at("photo.png")), before);
+}
 
 TEST_F(Detect, ModelsThatAreNotWholeOrNotOursAreRefused) {
   const std::string good = pedestrian_model_text(model_);

@@ -21,11 +21,16 @@ void expect_one_result(int frames, const Words& more) {
   recording.make_long(frames);
   const std::string first = sha256_with(recording, "1", more);
   EXPECT_EQ(first.size(), 64u);
-  for (const char* workers : {"1", "2", "4", "8"}) EXPECT_EQ(sha256_with(recording, workers, more), first) << workers;
+  for (const char* workers : {"1", "2", "3", "4", "8"})
+    EXPECT_EQ(sha256_with(recording, workers, more), first) << workers;
+}
+
+TEST(SameResult, WithKeyframes) {
+  expect_one_result(60, {});
 }
 
 TEST(SameResult, WithDescriptors) {
-  expect_one_result(60, {});
+  expect_one_result(60, {"--estimator", "frame-to-frame"});
 }
 
 TEST(SameResult, WithKltTracks) {

@@ -85,6 +85,10 @@ TEST_F(WrongCalls, ValuesOfTheWrongTypeOrRange) {
   expect_wrong({"run", ""}, "SOURCE is empty");
 }
 
+TEST_F(WrongCalls, TheTrackerIsOfTheOtherEstimator) {
+  expect_wrong(recording.run({"--estimator", "keyframe", "--tracker", "klt"}), "--tracker klt");
+}
+
 TEST_F(WrongCalls, WhatNeedsTimesSaysHowToGiveThem) {
   recording.remove("times.txt");
   expect_wrong(recording.run({"--live"}), "--live needs the frames' times, and " + recording.path());

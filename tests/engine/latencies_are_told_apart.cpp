@@ -5,8 +5,6 @@
 namespace pavo::test {
 namespace {
 
-constexpr std::int64_t kMs = 1'000'000;
-
 // Work that takes time on the virtual clock.
 struct Takes {
   ManualClock& clock;

@@ -7,10 +7,8 @@
 namespace pavo::test {
 namespace {
 
-constexpr std::int64_t kMs = 1'000'000;
-
 // Holds each frame until the test lets it go.
-struct Gate {
+struct CountedGate {
   std::counting_semaphore<1000>& entered;
   std::counting_semaphore<1000>& opened;
   void operator()(const std::int64_t& in, std::int64_t& out) const {
@@ -40,7 +38,7 @@ TEST_P(LiveCredits, AFrameThatCannotStartIsReplacedByTheNextAndCounted) {
   std::counting_semaphore<1000> entered{0}, opened{0};
   std::vector<Delivered> delivered;
   pipeline.source(writes(&Numbers::input));
-  pipeline.add("gate", reads(&Numbers::input), writes(&Numbers::sum), Gate{entered, opened}, parallel);
+  pipeline.add("gate", reads(&Numbers::input), writes(&Numbers::sum), CountedGate{entered, opened}, parallel);
   pipeline.deliver(collect(delivered));
   Counting source(10, {}, 10 * kMs);
   std::jthread runner([&] { pipeline.run(source); });

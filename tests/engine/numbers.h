@@ -10,6 +10,8 @@
 
 namespace pavo::test {
 
+inline constexpr std::int64_t kMs = 1'000'000;
+
 struct Numbers {
   std::int64_t input = 0;
   std::int64_t squared = 0;

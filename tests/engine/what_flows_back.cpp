@@ -325,7 +325,7 @@ struct NopBackground {
 };
 
 template <class Declare>
-std::string complaint(Declare declare) {
+std::string complaint_of_loop(Declare declare) {
   SteadyClock clock;
   Pipeline<Looped> pipeline(workers(1), clock);
   pipeline.source(writes(&Looped::input));
@@ -339,12 +339,12 @@ std::string complaint(Declare declare) {
 }
 
 TEST(Delayed, ThatNobodyWritesOrThatDoesNotLeadBackIsRefused) {
-  EXPECT_THAT(complaint([](auto& p) {
+  EXPECT_THAT(complaint_of_loop([](auto& p) {
                 p.add("estimate", reads(&Looped::input, delayed<1>(&Looped::correction)), writes(&Looped::estimate),
                       NopDelayed{}, in_order);
               }),
               AllOf(HasSubstr("'estimate'"), HasSubstr("no stage and no source writes")));
-  EXPECT_THAT(complaint([](auto& p) {
+  EXPECT_THAT(complaint_of_loop([](auto& p) {
                 p.add("aside", reads(&Looped::input, delayed<1>(&Looped::correction)), writes(&Looped::estimate),
                       NopDelayed{}, in_order);
                 p.add("map", reads(&Looped::input), writes(&Looped::correction), NopBackground{}, background);
@@ -353,7 +353,7 @@ TEST(Delayed, ThatNobodyWritesOrThatDoesNotLeadBackIsRefused) {
 }
 
 TEST(Delayed, OfAParallelStageIsRefused) {
-  EXPECT_THAT(complaint([](auto& p) {
+  EXPECT_THAT(complaint_of_loop([](auto& p) {
                 p.add("estimate", reads(&Looped::input, delayed<1>(&Looped::correction)), writes(&Looped::estimate),
                       NopDelayed{}, parallel);
                 p.add("map", reads(&Looped::estimate), writes(&Looped::correction), NopBackground{}, background);

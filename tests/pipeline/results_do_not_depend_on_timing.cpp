@@ -16,7 +16,8 @@ namespace {
 
 std::vector<SE3> poses_of(Config config, std::size_t frames, bool delays, std::uint32_t seed = 0) {
   SteadyClock clock;
-  OdometryPipeline odometry(config, street().camera, std::make_shared<UnitStep>(), Input::encoded, clock);
+  const Street& where = config.people.enabled ? high_street() : street();
+  OdometryPipeline odometry(config, where.camera, std::make_shared<UnitStep>(), Input::encoded, clock);
   std::vector<SE3> poses;
   std::minstd_rand source_random(seed + 1), delivery_random(seed + 2);
   const auto delay = [&](std::minstd_rand& random) {
@@ -35,10 +36,13 @@ std::vector<SE3> poses_of(Config config, std::size_t frames, bool delays, std::u
       random.discard(3);
       if (random() % 3 == 0) std::this_thread::sleep_for(std::chrono::microseconds(random() % 2000));
     });
-  StreetSource source(frames, [&](std::size_t n) {
-    delay(source_random);
-    if (n % 11 == 10) std::this_thread::yield();
-  });
+  StreetSource source(
+      frames,
+      [&](std::size_t n) {
+        delay(source_random);
+        if (n % 11 == 10) std::this_thread::yield();
+      },
+      where);
   odometry.engine().run(source);
   return poses;
 }
@@ -55,22 +59,22 @@ class Timing : public ::testing::TestWithParam<const char*> {
  protected:
   Config config() const {
     Config c;
-    c.people.enabled = false;
+    const std::string tested = GetParam();
+    c.people.enabled = tested == "keyframe_and_people";
+    c.people.threshold = 0.02;  // so that there are some
     c.odometry.compare = true;
-    if (GetParam() == std::string("keyframe"))
-      c.odometry.estimator = "keyframe";
-    else
-      c.odometry.tracker = GetParam();
+    c.odometry.estimator = tested.starts_with("keyframe") ? "keyframe" : "frame-to-frame";
+    if (tested == "klt") c.odometry.tracker = "klt";
     return c;
   }
 };
 
 #if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
-constexpr std::size_t kFrames = 60;
+constexpr std::size_t kDelayedFrames = 60;
 const std::vector<int> kWorkers{1, 4};
 constexpr std::uint32_t kRuns = 1;
 #else
-constexpr std::size_t kFrames = 12;
+constexpr std::size_t kDelayedFrames = 12;
 const std::vector<int> kWorkers{1, 2, 3, 4, 8};
 constexpr std::uint32_t kRuns = 5;
 #endif
@@ -78,20 +82,20 @@ constexpr std::uint32_t kRuns = 5;
 TEST_P(Timing, ChangesNoPose) {
   Config c = config();
   c.engine.workers = 1;
-  const std::vector<SE3> expected = poses_of(c, kFrames, false);
-  ASSERT_EQ(expected.size(), kFrames);
+  const std::vector<SE3> expected = poses_of(c, kDelayedFrames, false);
+  ASSERT_EQ(expected.size(), kDelayedFrames);
   EXPECT_EQ(expected[0].R, Eigen::Matrix3d::Identity());
   EXPECT_EQ(expected[0].t, Eigen::Vector3d::Zero());
   for (const int workers : kWorkers)
     for (std::uint32_t run = 0; run < kRuns; ++run) {
       c.engine.workers = workers;
       c.engine.slots = run == 1 ? 5 : 0;
-      expect_same(poses_of(c, kFrames, true, 100 * run + static_cast<std::uint32_t>(workers)), expected,
+      expect_same(poses_of(c, kDelayedFrames, true, 100 * run + static_cast<std::uint32_t>(workers)), expected,
                   std::to_string(workers) + " workers, run " + std::to_string(run));
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(Trackers, Timing, ::testing::Values("descriptor", "klt", "keyframe"),
+INSTANTIATE_TEST_SUITE_P(Trackers, Timing, ::testing::Values("descriptor", "klt", "keyframe", "keyframe_and_people"),
                          [](const auto& tested) { return std::string(tested.param); });
 
 TEST(PipelineOfStages, TurnsOpenCvsOwnThreadsOff) {

@@ -90,6 +90,16 @@ TEST(Workers, AllocateNothingWithKeyframes) {
   EXPECT_EQ(allocations_of_frames(config, street()), 0) << "the map's own thread aside";
 }
 
+// As `pavo run --scale camera-height=1.65` has it.
+TEST(Workers, AllocateNothingWithKeyframesPeopleAndGround) {
+  Config config;
+  config.odometry.estimator = "keyframe";
+  config.odometry.scale = "camera-height";
+  config.camera.height_m = 1.65;
+  config.people.threshold = 0.02;
+  EXPECT_EQ(allocations_of_frames(config, high_street()), 0) << "the map's own thread aside";
+}
+
 // cv::calcOpticalFlowPyrLK, 4.6 on Debian 12: its pyramids, and what it hands to its loops.
 constexpr long kOfKlt = 20;
 

@@ -9,14 +9,15 @@ namespace {
 using namespace test;
 using testing::HasSubstr;
 
-constexpr int kWidth = 96, kHeight = 64;
+constexpr int kVideoWidth = 96, kVideoHeight = 64;
 
 /// Frame i is gray of brightness 10 i. Empty where this OpenCV cannot write videos.
 std::string write_video(const TemporaryFolder& folder, int frames, const std::string& name = "drive.avi") {
   const std::string path = (folder / name).string();
-  cv::VideoWriter writer(path, cv::CAP_FFMPEG, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 25, {kWidth, kHeight});
+  cv::VideoWriter writer(path, cv::CAP_FFMPEG, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 25,
+                         {kVideoWidth, kVideoHeight});
   if (!writer.isOpened()) return {};
-  for (int i = 0; i < frames; ++i) writer.write(cv::Mat(kHeight, kWidth, CV_8UC3, cv::Scalar::all(10 * i)));
+  for (int i = 0; i < frames; ++i) writer.write(cv::Mat(kVideoHeight, kVideoWidth, CV_8UC3, cv::Scalar::all(10 * i)));
   return path;
 }
 
@@ -36,10 +37,10 @@ TEST(Video, FramesGoStraightIntoTheImage) {
     EXPECT_EQ(stamp.index, i);
     EXPECT_NEAR(static_cast<double>(stamp.t_capture_ns), i * 40e6, 1e6);
     EXPECT_EQ(image.encoding, Encoding::bgr24);
-    EXPECT_EQ(image.width, kWidth);
-    EXPECT_EQ(image.height, kHeight);
-    EXPECT_EQ(image.stride, 3 * kWidth);
-    ASSERT_EQ(image.bytes.size(), 3u * kWidth * kHeight);
+    EXPECT_EQ(image.width, kVideoWidth);
+    EXPECT_EQ(image.height, kVideoHeight);
+    EXPECT_EQ(image.stride, 3 * kVideoWidth);
+    ASSERT_EQ(image.bytes.size(), 3u * kVideoWidth * kVideoHeight);
     EXPECT_NEAR(image.bytes[1000], 10 * i, 3);
     if (memory) {
       EXPECT_EQ(image.bytes.data(), memory);

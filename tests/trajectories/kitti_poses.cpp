@@ -18,7 +18,7 @@ using ::testing::StartsWith;
 
 const std::string kIdentity = "1 0 0 0 0 1 0 0 0 0 1 0\n";
 
-std::string refusal(const std::string& text) {
+std::string kitti_refusal(const std::string& text) {
   return complaint([&] { parse_kitti_poses(text, "poses.txt"); });
 }
 
@@ -52,29 +52,29 @@ TEST(KittiPoses, TolerateWindowsEndsBlanksAndNoLastNewline) {
 }
 
 TEST(KittiPoses, NameTheLineOfWhatIsWrong) {
-  EXPECT_THAT(refusal(kIdentity + "1 0 0 0 0 1 0 0 0 0 1\n"), StartsWith("poses.txt:2: expected 12 numbers"));
-  EXPECT_THAT(refusal(kIdentity + "1 0 0 0 0 1 0 0 0 0 1\n"), HasSubstr("found 11"));
-  EXPECT_THAT(refusal(kIdentity + "1 0 0 0 0 1 0 0 0 0 1 0 7\n"), HasSubstr("found 13"));
-  EXPECT_THAT(refusal(kIdentity + kIdentity + "1 0 0 nan 0 1 0 0 0 0 1 0\n"),
+  EXPECT_THAT(kitti_refusal(kIdentity + "1 0 0 0 0 1 0 0 0 0 1\n"), StartsWith("poses.txt:2: expected 12 numbers"));
+  EXPECT_THAT(kitti_refusal(kIdentity + "1 0 0 0 0 1 0 0 0 0 1\n"), HasSubstr("found 11"));
+  EXPECT_THAT(kitti_refusal(kIdentity + "1 0 0 0 0 1 0 0 0 0 1 0 7\n"), HasSubstr("found 13"));
+  EXPECT_THAT(kitti_refusal(kIdentity + kIdentity + "1 0 0 nan 0 1 0 0 0 0 1 0\n"),
               StartsWith("poses.txt:3: expected a finite number"));
-  EXPECT_THAT(refusal("1 0 0 -inf 0 1 0 0 0 0 1 0\n"),
+  EXPECT_THAT(kitti_refusal("1 0 0 -inf 0 1 0 0 0 0 1 0\n"),
               StartsWith("poses.txt:1: expected a finite number, found '-inf'"));
-  EXPECT_THAT(refusal("1 0 0 1e999 0 1 0 0 0 0 1 0\n"), StartsWith("poses.txt:1: '1e999'"));
-  EXPECT_THAT(refusal("1 0 0 1.0x 0 1 0 0 0 0 1 0\n"), HasSubstr("expected a number, found '1.0x'"));
-  EXPECT_THAT(refusal("1 0 0 1,5 0 1 0 0 0 0 1 0\n"), HasSubstr("expected a number, found '1,5'"));
-  EXPECT_THAT(refusal("1 0 0 +-1 0 1 0 0 0 0 1 0\n"), HasSubstr("expected a number"));
-  EXPECT_THAT(refusal("1 0 0 2e9 0 1 0 0 0 0 1 0\n"), HasSubstr("1e9 m from the origin"));
-  EXPECT_THAT(refusal(kIdentity + "\n" + kIdentity), StartsWith("poses.txt:2: a blank line"));
-  EXPECT_THAT(refusal("# poses\n" + kIdentity), StartsWith("poses.txt:1: expected 12 numbers"));
-  EXPECT_THAT(refusal(""), StartsWith("poses.txt: no pose in it"));
-  EXPECT_THAT(refusal("\n\n"), StartsWith("poses.txt: no pose in it"));
+  EXPECT_THAT(kitti_refusal("1 0 0 1e999 0 1 0 0 0 0 1 0\n"), StartsWith("poses.txt:1: '1e999'"));
+  EXPECT_THAT(kitti_refusal("1 0 0 1.0x 0 1 0 0 0 0 1 0\n"), HasSubstr("expected a number, found '1.0x'"));
+  EXPECT_THAT(kitti_refusal("1 0 0 1,5 0 1 0 0 0 0 1 0\n"), HasSubstr("expected a number, found '1,5'"));
+  EXPECT_THAT(kitti_refusal("1 0 0 +-1 0 1 0 0 0 0 1 0\n"), HasSubstr("expected a number"));
+  EXPECT_THAT(kitti_refusal("1 0 0 2e9 0 1 0 0 0 0 1 0\n"), HasSubstr("1e9 m from the origin"));
+  EXPECT_THAT(kitti_refusal(kIdentity + "\n" + kIdentity), StartsWith("poses.txt:2: a blank line"));
+  EXPECT_THAT(kitti_refusal("# poses\n" + kIdentity), StartsWith("poses.txt:1: expected 12 numbers"));
+  EXPECT_THAT(kitti_refusal(""), StartsWith("poses.txt: no pose in it"));
+  EXPECT_THAT(kitti_refusal("\n\n"), StartsWith("poses.txt: no pose in it"));
 }
 
 TEST(KittiPoses, RefuseWhatIsNoRotation) {
-  EXPECT_THAT(refusal("2 0 0 0 0 1 0 0 0 0 1 0\n"), HasSubstr("no rotation"));
-  EXPECT_THAT(refusal("1 0 0 0 0 1 0 0 0 0 -1 0\n"), HasSubstr("no rotation")) << "a mirror";
-  EXPECT_THAT(refusal("0 0 0 0 0 0 0 0 0 0 0 0\n"), HasSubstr("no rotation"));
-  EXPECT_THAT(refusal("1 0 0 0 0 1.01 0 0 0 0 1 0\n"), HasSubstr("no rotation"));
+  EXPECT_THAT(kitti_refusal("2 0 0 0 0 1 0 0 0 0 1 0\n"), HasSubstr("no rotation"));
+  EXPECT_THAT(kitti_refusal("1 0 0 0 0 1 0 0 0 0 -1 0\n"), HasSubstr("no rotation")) << "a mirror";
+  EXPECT_THAT(kitti_refusal("0 0 0 0 0 0 0 0 0 0 0 0\n"), HasSubstr("no rotation"));
+  EXPECT_THAT(kitti_refusal("1 0 0 0 0 1.01 0 0 0 0 1 0\n"), HasSubstr("no rotation"));
 }
 
 TEST(KittiPoses, MendWhatWasRoundedAndLeaveTheRest) {
@@ -85,7 +85,7 @@ TEST(KittiPoses, MendWhatWasRoundedAndLeaveTheRest) {
 }
 
 TEST(KittiPoses, GarbageInAMessageIsShortAndPrintable) {
-  const std::string text = refusal("\x1b[31m\x07" + std::string(500, 'z') + " 0 0 0 0 1 0 0 0 0 1 0\n");
+  const std::string text = kitti_refusal("\x1b[31m\x07" + std::string(500, 'z') + " 0 0 0 0 1 0 0 0 0 1 0\n");
   EXPECT_LT(text.size(), 120u);
   EXPECT_EQ(text.find('\x1b'), std::string::npos);
 }

@@ -15,7 +15,7 @@ using test::complaint;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-std::string refusal(const std::string& text) {
+std::string tum_refusal(const std::string& text) {
   return complaint([&] { parse_tum(text, "path.tum"); });
 }
 
@@ -42,16 +42,16 @@ TEST(TumFiles, KeepNanosecondsOfToday) {
 
 TEST(TumFiles, NameTheLineOfWhatIsWrong) {
   const std::string good = "1 0 0 0 0 0 0 1\n";
-  EXPECT_THAT(refusal(good + "2 0 0 0 0 0 1\n"), StartsWith("path.tum:2: expected 8 numbers"));
-  EXPECT_THAT(refusal("# x\n" + good + "2 nan 0 0 0 0 0 1\n"), StartsWith("path.tum:3: expected a finite number"));
-  EXPECT_THAT(refusal(good + "0.5 0 0 0 0 0 0 1\n"), StartsWith("path.tum:2: the time '0.5' does not come after"));
-  EXPECT_THAT(refusal(good + good), StartsWith("path.tum:2: the time '1' does not come after"));
-  EXPECT_THAT(refusal("1 0 0 0 0 0 0 0\n"), HasSubstr("no unit quaternion"));
-  EXPECT_THAT(refusal("1 0 0 0 1 0 0 1\n"), HasSubstr("no unit quaternion"));
-  EXPECT_THAT(refusal("inf 0 0 0 0 0 0 1\n"), StartsWith("path.tum:1: expected a finite number"));
-  EXPECT_THAT(refusal("1403715273262142976 0 0 0 0 0 0 1\n"), HasSubstr("expected seconds"));
-  EXPECT_THAT(refusal("1 0 1e10 0 0 0 0 1\n"), HasSubstr("1e9 m"));
-  EXPECT_THAT(refusal("# nothing\n"), StartsWith("path.tum: no pose in it"));
+  EXPECT_THAT(tum_refusal(good + "2 0 0 0 0 0 1\n"), StartsWith("path.tum:2: expected 8 numbers"));
+  EXPECT_THAT(tum_refusal("# x\n" + good + "2 nan 0 0 0 0 0 1\n"), StartsWith("path.tum:3: expected a finite number"));
+  EXPECT_THAT(tum_refusal(good + "0.5 0 0 0 0 0 0 1\n"), StartsWith("path.tum:2: the time '0.5' does not come after"));
+  EXPECT_THAT(tum_refusal(good + good), StartsWith("path.tum:2: the time '1' does not come after"));
+  EXPECT_THAT(tum_refusal("1 0 0 0 0 0 0 0\n"), HasSubstr("no unit quaternion"));
+  EXPECT_THAT(tum_refusal("1 0 0 0 1 0 0 1\n"), HasSubstr("no unit quaternion"));
+  EXPECT_THAT(tum_refusal("inf 0 0 0 0 0 0 1\n"), StartsWith("path.tum:1: expected a finite number"));
+  EXPECT_THAT(tum_refusal("1403715273262142976 0 0 0 0 0 0 1\n"), HasSubstr("expected seconds"));
+  EXPECT_THAT(tum_refusal("1 0 1e10 0 0 0 0 1\n"), HasSubstr("1e9 m"));
+  EXPECT_THAT(tum_refusal("# nothing\n"), StartsWith("path.tum: no pose in it"));
 }
 
 TEST(TumFiles, ComeBackAsTheyWereWritten) {

@@ -10,7 +10,6 @@ namespace {
 
 constexpr int kFrames = 300;
 constexpr FrameSize kSize{640, 480};
-const std::string kHonestStamps = "timestamp_source=Start of Exposure";
 
 /// Takes so many frames; pauses for a moment before the tenth of them.
 WatchedCalls::Losses losses_of(int count, std::chrono::milliseconds pause) {

@@ -13,7 +13,7 @@ namespace {
 using pavo::test::BoardPainter;
 using pavo::test::kBoard;
 
-const std::string kLog = "/tmp/calibrate.log", kFile = "/tmp/found.yaml";
+const std::string kCalibrateLog = "/tmp/calibrate.log", kFile = "/tmp/found.yaml";
 
 /// Two thirds of what the tests of the calibration itself have, in the webcam's picture.
 Camera lens() {
@@ -30,7 +30,7 @@ std::string pgm_of(const Image& image) {
 }
 
 int views_taken() {
-  const std::string text = text_of(kLog);
+  const std::string text = text_of(kCalibrateLog);
   int count = 0;
   for (std::size_t at = text.find(" taken, around"); at != std::string::npos; at = text.find(" taken, around", at + 1))
     ++count;
@@ -47,7 +47,7 @@ void show_board(Webcam& webcam, const Pavo& calibrating, const std::vector<SE3>&
     painter.paint(T_c_b, 2, random, image);
     webcam.show(pgm_of(image));
   };
-  ASSERT_TRUE(eventually([&] { return mapped_buffers(calibrating.pid()) > 0; })) << text_of(kLog);
+  ASSERT_TRUE(eventually([&] { return mapped_buffers(calibrating.pid()) > 0; })) << text_of(kCalibrateLog);
   for (std::size_t n = 0; n < places.size() && views_taken() < views; ++n) {
     const int before = views_taken();
     if (n > 0) show({places[n].R, 0.5 * (places[n].t + places[n - 1].t)});
@@ -81,10 +81,10 @@ void expect_lens(const std::string& format, int views) {
   std::filesystem::remove(kFile);
   Pavo calibrating({"calibrate", kWebcam, "--size", "320x240", "--format", format, "--rate", "15", "--board", "8x6",
                     "--square", "0.03", "--views", std::to_string(views), "--out", kFile},
-                   kLog);
+                   kCalibrateLog);
   show_board(webcam, calibrating, pavo::test::poses(lens(), 4 * views, 1), views);
-  ASSERT_EQ(calibrating.wait(), 0) << text_of(kLog);
-  EXPECT_THAT(text_of(kLog), ::testing::HasSubstr("; next: the "));
+  ASSERT_EQ(calibrating.wait(), 0) << text_of(kCalibrateLog);
+  EXPECT_THAT(text_of(kCalibrateLog), ::testing::HasSubstr("; next: the "));
   EXPECT_TRUE(std::filesystem::exists(kFile));
   expect_within_three_sigma(nlohmann::json::parse(text_of("/tmp/found.json")));
 }
@@ -98,12 +98,12 @@ TEST(PavoCalibrate, FindsTheLensFromMjpeg) {
 }
 
 TEST(PavoCalibrate, EndsAtASignalWhereNoBoardIsSeen) {
-  Pavo watching({"calibrate", kVivid, "--size", "320x180", "--board", "9x6", "--out", "/tmp/none.yaml"}, kLog);
-  ASSERT_TRUE(eventually([&] { return mapped_buffers(watching.pid()) > 0; })) << text_of(kLog);
+  Pavo watching({"calibrate", kVivid, "--size", "320x180", "--board", "9x6", "--out", "/tmp/none.yaml"}, kCalibrateLog);
+  ASSERT_TRUE(eventually([&] { return mapped_buffers(watching.pid()) > 0; })) << text_of(kCalibrateLog);
   std::this_thread::sleep_for(std::chrono::seconds(1));  // watches
   watching.send(SIGINT);
   EXPECT_EQ(watching.wait(), 1);
-  EXPECT_THAT(text_of(kLog), ::testing::HasSubstr("no board of 9x6 inner corners was found"));
+  EXPECT_THAT(text_of(kCalibrateLog), ::testing::HasSubstr("no board of 9x6 inner corners was found"));
   EXPECT_FALSE(std::filesystem::exists("/tmp/none.yaml"));
 }
 

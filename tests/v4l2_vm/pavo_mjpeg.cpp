@@ -14,7 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kWidth = 320, kHeight = 240;
-const std::string kOut = "/tmp/mjpeg", kDrive = "/tmp/mjpeg-drive", kLog = "/tmp/mjpeg.log";
+const std::string kMjpegOut = "/tmp/mjpeg", kMjpegDrive = "/tmp/mjpeg-drive", kMjpegLog = "/tmp/mjpeg.log";
 
 /// A picture with corners in it, as a JPEG.
 std::string jpeg(double phase) {
@@ -58,7 +58,7 @@ TEST(Mjpeg, ArrivesAsItWasSent) {
 }
 
 std::string failures() {
-  const std::string csv = text_of(kOut + "/frames.csv");
+  const std::string csv = text_of(kMjpegOut + "/frames.csv");
   std::string failed;
   std::istringstream lines(csv);
   for (std::string line; std::getline(lines, line);)
@@ -67,7 +67,7 @@ std::string failures() {
 }
 
 std::size_t frames() {
-  const std::string text = text_of(kOut + "/trajectory.kitti");
+  const std::string text = text_of(kMjpegOut + "/trajectory.kitti");
   return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
 }
 
@@ -75,7 +75,7 @@ TEST(Mjpeg, RunsFailsFrameByFrameAndGoesOn) {
   Webcam webcam;
   const std::string good = jpeg(0);
   webcam.show(good);
-  fs::remove_all(kOut);
+  fs::remove_all(kMjpegOut);
   write_file("/tmp/mjpeg.yaml",
              "image_width: 320\nimage_height: 240\ncamera_name: test\ncamera_matrix: {rows: 3, cols: 3, data: [280, 0, "
              "160, 0, 280, 120, 0, 0, 1]}\ndistortion_model: plumb_bob\ndistortion_coefficients: {rows: 1, cols: 5, "
@@ -84,23 +84,25 @@ TEST(Mjpeg, RunsFailsFrameByFrameAndGoesOn) {
              "[features]\nmax_features = 50\n[people]\nenabled = false\n[engine]\nfailures_in_a_row = 1000\n"
              "[device]\nformat = \"MJPG\"\n");
   Pavo run({"run", kWebcam, "--calibration", "/tmp/mjpeg.yaml", "--config", "/tmp/mjpeg.toml", "--rate", "15", "--out",
-            kOut},
-           kLog);
-  ASSERT_TRUE(eventually([&] { return frames() > 2; })) << text_of(kLog);
+            kMjpegOut},
+           kMjpegLog);
+  ASSERT_TRUE(eventually([&] { return frames() > 2; })) << text_of(kMjpegLog);
   webcam.show(good.substr(0, good.size() / 2));
-  ASSERT_TRUE(eventually([&] { return failures().find("JPEG: ") != std::string::npos; })) << text_of(kLog);
+  ASSERT_TRUE(eventually([&] { return failures().find("JPEG: ") != std::string::npos; })) << text_of(kMjpegLog);
   webcam.show(std::string(5000, 'x'));
   ASSERT_TRUE(eventually([&] { return failures().find("expected JPEG, PNG") != std::string::npos; })) << failures();
   webcam.show(good);
   const std::size_t before = frames();
-  ASSERT_TRUE(eventually([&] { return frames() > before + 3; })) << text_of(kLog);
+  ASSERT_TRUE(eventually([&] { return frames() > before + 3; })) << text_of(kMjpegLog);
   webcam.pull_out();
-  ASSERT_TRUE(eventually([&] { return text_of(kLog).find("unplugged") != std::string::npos; })) << text_of(kLog);
+  ASSERT_TRUE(eventually([&] { return text_of(kMjpegLog).find("unplugged") != std::string::npos; }))
+      << text_of(kMjpegLog);
   webcam.plug_in();
-  ASSERT_TRUE(eventually([&] { return text_of(kLog).find("streams again") != std::string::npos; })) << text_of(kLog);
+  ASSERT_TRUE(eventually([&] { return text_of(kMjpegLog).find("streams again") != std::string::npos; }))
+      << text_of(kMjpegLog);
   run.send(SIGINT);
-  ASSERT_EQ(run.wait(), 0) << text_of(kLog);
-  const auto report = nlohmann::json::parse(text_of(kOut + "/report.json"));
+  ASSERT_EQ(run.wait(), 0) << text_of(kMjpegLog);
+  const auto report = nlohmann::json::parse(text_of(kMjpegOut + "/report.json"));
   EXPECT_EQ(report["camera"]["format"], "MJPG");
   EXPECT_GT(report["frames"]["done"], 5);
   EXPECT_GE(report["frames"]["failed"], 2);
@@ -113,15 +115,15 @@ TEST(Mjpeg, IsRecordedByteForByte) {
   Webcam webcam;
   const std::string sent = jpeg(2);
   webcam.show(sent);
-  fs::remove_all(kDrive);
-  ASSERT_EQ(Pavo({"record", kWebcam, "--out", kDrive, "--format", "MJPG", "--size", "320x240", "--rate", "15",
+  fs::remove_all(kMjpegDrive);
+  ASSERT_EQ(Pavo({"record", kWebcam, "--out", kMjpegDrive, "--format", "MJPG", "--size", "320x240", "--rate", "15",
                   "--frames", "6"},
-                 kLog)
+                 kMjpegLog)
                 .wait(),
             0)
-      << text_of(kLog);
+      << text_of(kMjpegLog);
   int files = 0;
-  for (const auto& entry : fs::directory_iterator(kDrive + "/mav0/cam0/data")) {
+  for (const auto& entry : fs::directory_iterator(kMjpegDrive + "/mav0/cam0/data")) {
     EXPECT_EQ(entry.path().extension(), ".jpg");
     EXPECT_TRUE(text_of(entry.path()) == sent) << entry.path();
     ++files;

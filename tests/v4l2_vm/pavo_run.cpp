@@ -7,7 +7,7 @@
 namespace pavo::v4l2::test {
 namespace {
 
-const std::string kOut = "/tmp/run", kLog = "/tmp/run.log", kMetrics = "/tmp/run.jsonl";
+const std::string kRunOut = "/tmp/run", kRunLog = "/tmp/run.log", kMetrics = "/tmp/run.jsonl";
 
 void write_calibration(int width, int height) {
   write_file("/tmp/camera.yaml", "image_width: " + std::to_string(width) + "\nimage_height: " + std::to_string(height) +
@@ -19,39 +19,39 @@ void write_calibration(int width, int height) {
 
 struct Running {
   explicit Running(const std::string& node, const std::string& more_config = "", const std::string& give_up_s = "60") {
-    std::filesystem::remove_all(kOut);
+    std::filesystem::remove_all(kRunOut);
     std::filesystem::remove(kMetrics);
     write_file("/tmp/config.toml",
                "[features]\nmax_features = 50\n[people]\nenabled = false\n[engine]\nworkers = 1\n"
                "live_credits = 1\n[device]\ngive_up_s = " +
                    give_up_s + "\n" + more_config);
     child.emplace(std::vector<std::string>{"run", node, "--calibration", "/tmp/camera.yaml", "--config",
-                                           "/tmp/config.toml", "--rate", "10", "--out", kOut, "--metrics", kMetrics},
-                  kLog);
+                                           "/tmp/config.toml", "--rate", "10", "--out", kRunOut, "--metrics", kMetrics},
+                  kRunLog);
   }
   static std::size_t frames() {
-    const std::string text = text_of(kOut + "/trajectory.kitti");
+    const std::string text = text_of(kRunOut + "/trajectory.kitti");
     return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
   }
   /// Further frames came through the whole pipeline.
   void expect_more(std::size_t count = 2) {
     const std::size_t now = frames();
-    ASSERT_TRUE(eventually([&] { return frames() >= now + count; })) << text_of(kLog);
+    ASSERT_TRUE(eventually([&] { return frames() >= now + count; })) << text_of(kRunLog);
   }
   static std::size_t told(const std::string& what) {
-    const std::string text = text_of(kLog);
+    const std::string text = text_of(kRunLog);
     std::size_t count = 0;
     for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + 1)) ++count;
     return count;
   }
   void expect_recovery(std::size_t outages) {
-    ASSERT_TRUE(eventually([&] { return told("streams again") >= outages; })) << text_of(kLog);
+    ASSERT_TRUE(eventually([&] { return told("streams again") >= outages; })) << text_of(kRunLog);
     expect_more();
   }
   nlohmann::json end() {
     child->send(SIGINT);
-    EXPECT_EQ(child->wait(), 0) << text_of(kLog);
-    return nlohmann::json::parse(text_of(kOut + "/report.json"));
+    EXPECT_EQ(child->wait(), 0) << text_of(kRunLog);
+    return nlohmann::json::parse(text_of(kRunOut + "/report.json"));
   }
   std::optional<Pavo> child;
 };
@@ -111,7 +111,7 @@ TEST(PavoRun, GoesOnEachOfTwentyTimesThatTheWebcamIsPluggedIn) {
   const int descriptors = open_descriptors(run.child->pid()), mapped = mapped_buffers(run.child->pid());
   for (std::size_t n = 1; n <= kTimes; ++n) {
     webcam.pull_out();
-    ASSERT_TRUE(eventually([&] { return Running::told("unplugged") >= n; })) << text_of(kLog);
+    ASSERT_TRUE(eventually([&] { return Running::told("unplugged") >= n; })) << text_of(kRunLog);
     EXPECT_TRUE(eventually([&] { return mapped_buffers(run.child->pid()) == 0; }));
     webcam.plug_in();
     run.expect_recovery(n);
@@ -135,8 +135,8 @@ TEST(PavoRun, EndsWhenTheCameraStaysAway) {
   run.expect_more();
   webcam.pull_out();
   EXPECT_EQ(run.child->wait(), 1);
-  EXPECT_THAT(text_of(kLog), ::testing::HasSubstr("did not come back within 1.00 s"));
-  EXPECT_TRUE(std::filesystem::exists(kOut + "/report.json")) << "what was computed is written";
+  EXPECT_THAT(text_of(kRunLog), ::testing::HasSubstr("did not come back within 1.00 s"));
+  EXPECT_TRUE(std::filesystem::exists(kRunOut + "/report.json")) << "what was computed is written";
 }
 
 TEST(PavoRun, EndsAtOnceWhileItWaitsForACamera) {
@@ -149,7 +149,7 @@ TEST(PavoRun, EndsAtOnceWhileItWaitsForACamera) {
   };
   ASSERT_TRUE(eventually([&] { return metrics_say("streaming"); })) << text_of(kMetrics);
   webcam.pull_out();
-  ASSERT_TRUE(eventually([&] { return Running::told("unplugged") >= 1; })) << text_of(kLog);
+  ASSERT_TRUE(eventually([&] { return Running::told("unplugged") >= 1; })) << text_of(kRunLog);
   ASSERT_TRUE(eventually([&] { return metrics_say("away"); })) << text_of(kMetrics);
   const nlohmann::json report = run.end();
   expect_books(report);

@@ -25,6 +25,7 @@ namespace pavo::v4l2::test {
 inline const std::string kVivid = "/dev/video0";
 inline const std::string kMultiPlanar = "/dev/video1";
 inline const std::string kWebcam = "/dev/video2";  // uvcsim's; its metadata are at the next one
+inline const std::string kHonestStamps = "timestamp_source=Start of Exposure";
 
 inline CameraOptions asking_for(const FrameSize& size, double rate_hz, const std::string& format = "",
                                 const std::string& controls = "", bool every_frame = true) {

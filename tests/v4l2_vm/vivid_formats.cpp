@@ -4,8 +4,6 @@
 namespace pavo::v4l2::test {
 namespace {
 
-constexpr const char* kHonestStamps = "timestamp_source=Start of Exposure";
-
 /// Returns how many frames were lost. vivid itself is late, and leaves some out, where the machine that emulates it is
 /// busy.
 std::uint64_t expect_frames(const std::string& node, const std::string& format, const FrameSize& size, double rate_hz,

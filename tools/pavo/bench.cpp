@@ -76,6 +76,8 @@ Config config_of(const BenchCall& call) {
   try {
     for (std::size_t i = 0; i < call.overrides.size(); ++i)
       set_from_text(config, call.overrides[i].first, call.overrides[i].second, call.options[i]);
+    settle_camera_height(config);
+    check_estimator(config);
     force_simd(config.engine.simd);
   } catch (const std::exception& e) {
     throw UsageError(e.what());

@@ -14,8 +14,6 @@
 namespace pavo {
 namespace {
 
-using Json = nlohmann::json;
-
 constexpr double kLeastChange = 0.02, kLeastChangeOfOne = 0.10;  // of what it was
 constexpr double kLeastChange_ms = 0.02;                         // what a wake-up more or less is worth
 
@@ -48,7 +46,7 @@ struct Tally {
 };
 
 // The same share of its own capacity, or the same rate.
-bool same_load(const Json& a, const Json& b) {
+bool same_load(const nlohmann::json& a, const nlohmann::json& b) {
   const auto apart = [&](const char* key) { return std::abs(a.at(key).get<double>() - b.at(key).get<double>()); };
   return apart("load_percent") < 0.5 || apart("offered_fps") < 1e-3 * b.at("offered_fps").get<double>();
 }
@@ -60,18 +58,18 @@ std::optional<Figure> figure(const std::vector<double>& values, double median) {
 }
 
 // The figure at a place ("end_to_end_ms/p99") of one load's run; nothing where it is not there.
-std::optional<Figure> figure_at(const Json& bench, const Json& run, const std::string& place) {
-  const Json::json_pointer pointer("/" + place);
+std::optional<Figure> figure_at(const nlohmann::json& bench, const nlohmann::json& run, const std::string& place) {
+  const nlohmann::json::json_pointer pointer("/" + place);
   if (!run.contains(pointer) || !run.at(pointer).is_number()) return std::nullopt;
   std::vector<double> values;
   if (bench.contains("repeats"))
-    for (const Json& repeat : bench.at("repeats"))
+    for (const nlohmann::json& repeat : bench.at("repeats"))
       if (same_load(repeat, run) && repeat.contains(pointer) && repeat.at(pointer).is_number())
         values.push_back(repeat.at(pointer).get<double>());
   return figure(values, run.at(pointer).get<double>());
 }
 
-std::optional<Figure> capacity(const Json& bench) {
+std::optional<Figure> capacity(const nlohmann::json& bench) {
   std::vector<double> values;
   if (bench.contains("capacities_fps")) values = bench.at("capacities_fps").get<std::vector<double>>();
   return figure(values, bench.at("capacity_fps").get<double>());
@@ -84,7 +82,8 @@ std::string escaped(std::string name) {
   return name;
 }
 
-void compare_run(Tally& tally, const Json& before, const Json& then, const Json& after, const Json& now) {
+void compare_run(Tally& tally, const nlohmann::json& before, const nlohmann::json& then, const nlohmann::json& after,
+                 const nlohmann::json& now) {
   const std::string load = fmt::format("at {:.0f} %: ", now.at("load_percent").get<double>());
   const auto both = [&](const std::string& what, const char* unit, const std::string& place, bool more_is_better) {
     tally.compare(load + what, unit, figure_at(before, then, place), figure_at(after, now, place), more_is_better);
@@ -102,21 +101,22 @@ void compare_run(Tally& tally, const Json& before, const Json& then, const Json&
         both(stage + " " + what + " " + q, "ms", fmt::format("stages/{}/{}_ms/{}", escaped(stage), what, q), false);
 }
 
-void note_differences(std::string& text, const Json& before, const Json& now) {
+void note_differences(std::string& text, const nlohmann::json& before, const nlohmann::json& now) {
   for (const char* place : {"/machine/cpu", "/machine/cores", "/machine/governor", "/machine/kernel", "/machine/simd",
                             "/source/path", "/mode", "/workers"}) {
-    const Json::json_pointer pointer(place);
+    const nlohmann::json::json_pointer pointer(place);
     if (before.contains(pointer) && now.contains(pointer) && before.at(pointer) != now.at(pointer))
       fmt::format_to(std::back_inserter(text), "  not measured alike: {} was {}, is {}\n", place + 1,
                      before.at(pointer).dump(), now.at(pointer).dump());
   }
 }
 
-bool is_quantiles(const Json& json) {
-  return json.is_object() && std::all_of(json.begin(), json.end(), [](const Json& v) { return v.is_number(); });
+bool is_quantiles(const nlohmann::json& json) {
+  return json.is_object() &&
+         std::all_of(json.begin(), json.end(), [](const nlohmann::json& v) { return v.is_number(); });
 }
 
-bool is_run(const Json& json) {
+bool is_run(const nlohmann::json& json) {
   if (!json.is_object()) return false;
   for (const char* number : {"load_percent", "offered_fps", "done_fps"})
     if (!json.contains(number) || !json.at(number).is_number()) return false;
@@ -125,24 +125,24 @@ bool is_run(const Json& json) {
   return !json.contains("stages") || json.at("stages").is_object();
 }
 
-bool are_runs(const Json& json) {
+bool are_runs(const nlohmann::json& json) {
   return json.is_array() && std::all_of(json.begin(), json.end(), is_run);
 }
 
-bool is_bench(const Json& json) {
+bool is_bench(const nlohmann::json& json) {
   if (!json.is_object() || !json.contains("capacity_fps") || !json.at("capacity_fps").is_number()) return false;
   if (!json.contains("runs") || !are_runs(json.at("runs"))) return false;
   if (json.contains("repeats") && !are_runs(json.at("repeats"))) return false;
   if (!json.contains("capacities_fps")) return true;
-  const Json& all = json.at("capacities_fps");
-  return all.is_array() && std::all_of(all.begin(), all.end(), [](const Json& v) { return v.is_number(); });
+  const nlohmann::json& all = json.at("capacities_fps");
+  return all.is_array() && std::all_of(all.begin(), all.end(), [](const nlohmann::json& v) { return v.is_number(); });
 }
 
 }  // namespace
 
 nlohmann::json read_bench_json(const std::string& path) {
   constexpr std::size_t kLimit = std::size_t{64} << 20;
-  const Json json = Json::parse(read_whole_file(path, kLimit), nullptr, false);
+  const nlohmann::json json = nlohmann::json::parse(read_whole_file(path, kLimit), nullptr, false);
   if (json.is_discarded())
     throw std::runtime_error(path + ": this is no JSON; expected what `pavo bench --json` wrote");
   if (!is_bench(json))
@@ -152,12 +152,12 @@ nlohmann::json read_bench_json(const std::string& path) {
   return json;
 }
 
-std::string compare_benches(const Json& before, const std::string& name, const Json& now) {
+std::string compare_benches(const nlohmann::json& before, const std::string& name, const nlohmann::json& now) {
   Tally tally;
   tally.compare("capacity", "frames/s", capacity(before), capacity(now), true);
   int loads = 0;
-  for (const Json& run : now.at("runs"))
-    for (const Json& then : before.at("runs"))
+  for (const nlohmann::json& run : now.at("runs"))
+    for (const nlohmann::json& then : before.at("runs"))
       if (same_load(run, then)) {
         compare_run(tally, before, then, now, run);
         ++loads;

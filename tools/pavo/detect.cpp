@@ -19,6 +19,7 @@
 #include "stages/people/scan_hog.h"
 #include "tools/pavo/picture_files.h"
 #include "tools/pavo/progress.h"
+#include "tools/pavo/usage_error.h"
 
 namespace pavo {
 namespace {
@@ -71,11 +72,15 @@ void draw(const fs::path& to, const Image& image, const Detections& people) {
   if (!cv::imwrite(to.string(), picture)) throw std::runtime_error(to.string() + ": cannot be written");
 }
 
-/// Where the drawing of each picture goes: its name as PNG. Two of the same name would overwrite each other.
+/// Where the drawing of each picture goes: its name as PNG. Two of the same name would overwrite each other, and one in
+/// its own folder its source.
 std::map<fs::path, fs::path> drawings(const std::vector<fs::path>& files, const fs::path& folder) {
   std::map<fs::path, fs::path> targets, sources;
   for (const fs::path& file : files) {
     const fs::path target = folder / (file.stem().string() + ".png");
+    std::error_code not_there;
+    if (fs::equivalent(target, file, not_there))
+      throw UsageError("--draw " + folder.string() + ": " + file.string() + " would be overwritten");
     if (const auto [at, fresh] = sources.emplace(target, file); !fresh && at->second != file)
       throw std::runtime_error(file.string() + " and " + at->second.string() + " would both be drawn as " +
                                target.string() + ": draw them into folders of their own");
@@ -100,7 +105,7 @@ int detect(const DetectCall& call) {
   Image image;
   Detections people;
   nlohmann::json all = nlohmann::json::array();
-  std::vector<std::string> unread, small;
+  std::vector<std::string> failures, small;
   if (!call.json) fmt::print("image,x,y,width,height,score\n");
   {
     std::atomic<std::int64_t> done{0};
@@ -110,7 +115,7 @@ int detect(const DetectCall& call) {
       try {
         read(file, image);
       } catch (const std::runtime_error& e) {
-        unread.emplace_back(e.what());
+        failures.emplace_back(e.what());
         continue;
       }
       if (image.width() < hog::kWindowWidth || image.height() < hog::kWindowHeight)
@@ -122,13 +127,18 @@ int detect(const DetectCall& call) {
         all.push_back(as_json(file, image, people));
       else
         print_csv(file, people);
-      if (!targets.empty()) draw(targets.at(file), image, people);
+      if (targets.empty()) continue;
+      try {
+        draw(targets.at(file), image, people);
+      } catch (const std::exception& e) {  // what was found is worth more than its picture
+        failures.emplace_back(e.what());
+      }
     }
   }
   if (call.json) fmt::print("{}\n", all.dump(1));
   for (const std::string& note : small) fmt::print(stderr, "pavo: {}\n", note);
-  for (const std::string& error : unread) fmt::print(stderr, "pavo: {}\n", error);
-  return unread.empty() ? 0 : 1;
+  for (const std::string& error : failures) fmt::print(stderr, "pavo: {}\n", error);
+  return failures.empty() ? 0 : 1;
 }
 
 }  // namespace

@@ -51,6 +51,7 @@ class FrameFeed {
   virtual void interrupt() = 0;
 };
 
+/// SOURCE is a device: it exists and is one, or its name says so.
 bool is_camera(const std::string& source);
 
 /// Throws std::runtime_error of one line, or UsageError where a sequence has no times and none were given.

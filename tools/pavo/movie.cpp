@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cctype>
+#include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <opencv2/imgcodecs.hpp>
@@ -45,6 +46,16 @@ class Movie::Writer {
       write_picture(picture, index);
   }
 
+  /// A full disk does not stop FFmpeg, which tells nobody: only the finished film shows whether all is in it.
+  void finish() {
+    if (!film_.isOpened()) return;
+    film_.release();
+    cv::VideoCapture film(where_, cv::CAP_FFMPEG);
+    if (!film.isOpened() || std::llround(film.get(cv::CAP_PROP_FRAME_COUNT)) < film_frames_)
+      throw std::runtime_error("--draw: " + where_ + " is incomplete: not all of its " + std::to_string(film_frames_) +
+                               " frames could be written; is the disk full?");
+  }
+
  private:
   void write_picture(const cv::Mat& picture, std::int64_t index) {
     const std::string file = fmt::format("{}/{:06d}.jpg", where_, index);
@@ -62,12 +73,14 @@ class Movie::Writer {
       if (!film_.isOpened()) throw std::runtime_error("--draw: " + where_ + " cannot be written as a film");
     }
     film_.write(picture);
+    ++film_frames_;
   }
 
   std::string where_;
   double rate_hz_;
   bool is_film_ = false;
   cv::VideoWriter film_;
+  std::int64_t film_frames_ = 0;
 };
 
 Movie::Movie(const std::string& where, const Camera& camera, double rate_hz, bool wait_for_drawing)
@@ -108,8 +121,8 @@ void Movie::finish() {
   }
   changed_.notify_all();
   thread_.join();
-  writer_.reset();
   if (error_) std::rethrow_exception(error_);
+  writer_->finish();
 }
 
 void Movie::draw(const std::stop_token& stop) {

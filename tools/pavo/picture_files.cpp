@@ -1,10 +1,9 @@
 #include "tools/pavo/picture_files.h"
 
 #include <algorithm>
-#include <array>
-#include <cctype>
 #include <stdexcept>
 
+#include "drivers/sequences/directory.h"
 #include "drivers/trajectories/append_file.h"
 
 namespace pavo {
@@ -12,18 +11,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool is_picture(const fs::path& file) {
-  std::string extension = file.extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  static constexpr std::array kKnown = {".png", ".jpg", ".jpeg", ".pgm", ".ppm", ".bmp", ".tif", ".tiff"};
-  return std::find(kKnown.begin(), kKnown.end(), extension) != kKnown.end();
-}
-
 std::vector<fs::path> pictures_of(const fs::path& folder) {
   std::vector<fs::path> files;
   std::error_code error;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error))
-    if (is_picture(entry->path()) && !entry->is_directory()) files.push_back(entry->path());
+    if (is_image_name(entry->path().filename().string()) && !entry->is_directory()) files.push_back(entry->path());
   if (error) throw std::runtime_error(folder.string() + ": cannot be read: " + error.message());
   if (files.empty())
     throw std::runtime_error(folder.string() +

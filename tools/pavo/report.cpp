@@ -89,7 +89,10 @@ nlohmann::ordered_json report(const RunSummary& run) {
   json["tracker"] = run.config.odometry.tracker;
   json["scale"] = run.scale;
   json["simd"] = simd_target();
-  json["poses"] = {{"tracked", poses.tracked}, {"standing", poses.standing}, {"coasting", poses.coasting}};
+  json["poses"] = {{"tracked", poses.tracked},
+                   {"standing", poses.standing},
+                   {"coasting", poses.coasting},
+                   {"relocalising", poses.relocalising}};
   json["people"] = {{"removed", run.config.people.enabled},
                     {"seen", people.seen},
                     {"features_dropped", people.features_dropped},

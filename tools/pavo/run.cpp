@@ -13,6 +13,7 @@
 #include <memory>
 #include <utility>
 
+#include "drivers/sequences/directory.h"
 #include "drivers/sequences/sequence.h"
 #include "drivers/trajectories/sha256.h"
 #include "drivers/trajectories/trajectory_files.h"
@@ -21,6 +22,7 @@
 #include "pavo/config.h"
 #include "pavo/odometry_pipeline.h"
 #include "pavo/simd.h"
+#include "tools/pavo/frame_feed.h"
 #include "tools/pavo/metrics_file.h"
 #include "tools/pavo/movie.h"
 #include "tools/pavo/progress.h"
@@ -58,12 +60,22 @@ Config resolved_config(const RunCall& call) {
   }
   try {
     settle_camera_height(config);
+    check_estimator(config);
     force_simd(config.engine.simd);
   } catch (const std::exception& e) {
     throw UsageError(e.what());
   }
-  if (config.source.mode == "auto") config.source.mode = is_device(call.source) ? "live" : "every-frame";
+  if (config.source.mode == "auto") config.source.mode = is_camera(call.source) ? "live" : "every-frame";
   return config;
+}
+
+/// A folder inside the recording with pictures in it.
+bool holds_pictures_of(const std::string& source, const std::string& folder) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  if (folder.empty() || !fs::is_directory(folder, error) || !fs::is_directory(source, error)) return false;
+  const fs::path within = fs::relative(folder, source, error);
+  return !error && !within.empty() && *within.begin() != ".." && !list_images(folder).empty();
 }
 
 // An empty name is a shell variable that was never set; outputs in the recording's own folder would overwrite it.
@@ -78,6 +90,8 @@ void check_places(const RunCall& call) {
     if (!value.empty() && std::filesystem::equivalent(value, call.source, not_both))
       throw UsageError(std::string(option) + " " + value + ": this is SOURCE itself, whose files would be overwritten");
   }
+  if (holds_pictures_of(call.source, call.draw))
+    throw UsageError("--draw " + call.draw + ": SOURCE's pictures are there, and would be overwritten");
   if (call.given && call.given("--config") && call.config_file.empty())
     throw UsageError("--config is empty: expected a TOML file");
 }
@@ -111,8 +125,8 @@ void print_summary(const RunSummary& run, const std::string& out) {
              run.layout, c.in, run.wall_s, static_cast<double>(c.done + c.failed) / std::max(run.wall_s, 1e-9), c.done,
              c.failed, c.dropped);
   const PoseCounts& p = run.outputs.poses();
-  fmt::print("  poses: {} tracked, {} standing, {} coasting; scale: {}\n", p.tracked, p.standing, p.coasting,
-             run.scale);
+  fmt::print("  poses: {} tracked, {} standing, {} coasting{}; scale: {}\n", p.tracked, p.standing, p.coasting,
+             p.relocalising > 0 ? fmt::format(", {} where a new map began", p.relocalising) : "", run.scale);
   if (!run.camera_summary.empty()) fmt::print("  camera: {}\n", run.camera_summary);
   if (run.config.people.enabled)
     fmt::print("  people: {} seen, {} features on them dropped\n", run.outputs.people().seen,

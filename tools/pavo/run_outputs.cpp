@@ -182,7 +182,10 @@ void RunOutputs::count(const Frame& frame, const FrameInfo& info, const Outcome&
     case Quality::standing:
       ++poses_.standing;
       break;
-    default:
+    case Quality::relocalising:
+      ++poses_.relocalising;
+      break;
+    case Quality::coasting:
       ++poses_.coasting;
   }
   people_.features_dropped += frame.pose.dropped_on_people;

@@ -22,7 +22,7 @@
 namespace pavo {
 
 struct PoseCounts {
-  std::int64_t tracked = 0, standing = 0, coasting = 0;
+  std::int64_t tracked = 0, standing = 0, coasting = 0, relocalising = 0;
 };
 struct PeopleCounts {
   std::int64_t seen = 0;              ///< detections, summed over the frames: the lines of people.csv

@@ -42,8 +42,10 @@ void write_run_plot(const std::string& path, const SequenceInfo& info, const Run
   if (info.groundtruth) {
     plot.curves.push_back({"ground truth", kTruthColor, *info.groundtruth, true});
     plot.note = metric ? "estimates aligned by SE(3)" : "estimates aligned by Sim(3)";
-  } else {
-    plot.note = metric ? "" : "no metric scale: one unit is one step";
+  } else if (!metric) {
+    plot.unit = "units";
+    plot.note = uses_keyframes(config) ? "no metric scale: one unit is the first baseline"
+                                       : "no metric scale: one unit is one step";
   }
   if (config.odometry.compare)
     plot.curves.push_back({"geometric", kGeometricColor, aligned(outputs.geometric(), info, metric)});

@@ -8,6 +8,7 @@
 #include "drivers/calibration/calibration.h"
 #include "pavo/camera_source.h"
 #include "pavo/sequence_source.h"
+#include "tools/pavo/frame_feed.h"
 #include "tools/pavo/open_source.h"
 #include "tools/pavo/report.h"
 #include "tools/pavo/usage_error.h"
@@ -161,13 +162,8 @@ class CameraRun final : public RunSource {
 
 }  // namespace
 
-bool is_device(const std::string& source) {
-  std::error_code unknown;
-  return source.starts_with("/dev/") || std::filesystem::is_character_file(source, unknown);
-}
-
 std::unique_ptr<RunSource> open_run_source(const std::string& source, const Config& config, const Clock& clock) {
-  if (is_device(source)) return std::make_unique<CameraRun>(source, config);
+  if (is_camera(source)) return std::make_unique<CameraRun>(source, config);
   return std::make_unique<SequenceRun>(source, config, clock);
 }
 

@@ -33,9 +33,6 @@ class RunSource {
   virtual std::vector<std::string> warnings() const { return {}; }
 };
 
-/// SOURCE is a device: it exists and is one, or its name says so.
-bool is_device(const std::string& source);
-
 /// Opens what SOURCE names; a camera is started, and `live` says whether its newest frames are wanted or all. Throws
 /// std::runtime_error of one line. `clock` outlives the source.
 std::unique_ptr<RunSource> open_run_source(const std::string& source, const Config& config, const Clock& clock);

@@ -54,6 +54,10 @@ Scale from_groundtruth(const SequenceInfo& info, const std::string& source, Conf
     if (!other.groundtruth) throw std::runtime_error("--scale groundtruth=" + file + ": " + other.groundtruth_source);
     return {true_steps(other), "groundtruth (" + other.groundtruth_source + ")"};
   }
+  if (!info.groundtruth && config.source.groundtruth == "none") {  // which is about the plot and the report
+    config.source.groundtruth.clear();
+    return from_groundtruth(open_source(source, config)->info(), source, config, file);
+  }
   if (!info.groundtruth)
     throw std::runtime_error("--scale groundtruth: " + info.path +
                              " has no ground truth of its own; name a file: --scale groundtruth=FILE");

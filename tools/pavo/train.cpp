@@ -96,9 +96,10 @@ std::string described(const TrainOptions& o) {
 /// Tells this training from others: its options, and the names and sizes of its pictures.
 std::string fingerprint_of(const TrainCall& call, const PictureSet& positives, const PictureSet& negatives) {
   std::string all = described(call.options);
+  std::error_code unreadable;  // its size is then the largest number; reading it tells what is wrong
   for (const PictureSet* set : {&positives, &negatives})
     for (const fs::path& file : set->files())
-      all += fmt::format("\n{} {}", file.filename().string(), fs::file_size(file));
+      all += fmt::format("\n{} {}", file.filename().string(), fs::file_size(file, unreadable));
   Sha256 sha;
   sha.update(all);
   return sha.hex();
