@@ -26,9 +26,10 @@ PAGE = os.path.join(ROOT, "docs", "results.md")
 RED, BLUE, GRAY = "#c00", "#06c", "#999"
 
 
-def run(args, folder, name):
+def run(args, folder, name, *more):
     out = os.path.join(args.work, "run-" + name)
-    subprocess.run([args.pavo, "run", folder, "--estimator", "keyframe", "--scale", "camera-height=1.65", "--out", out],
+    subprocess.run([args.pavo, "run", folder, "--estimator", "keyframe", "--scale", "camera-height=1.65", "--out", out,
+                    *more],
                    check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     return os.path.join(out, "trajectory.kitti")
 
@@ -157,6 +158,12 @@ def table(args, drives):
         drives.append((name, positions(os.path.join(folder, "poses.txt")), positions(estimate),
                        positions(peer) if os.path.exists(peer) else None))
         row(name, floors, judge(args, estimate, folder, step))
+    for name, folder, more in (("euroc-standstill-25", os.path.join(kitti, "euroc-standstill-25"), ()),
+                               ("people/kitti17", os.path.join(args.data, "people", "kitti17"), ("--rate", "10"))):
+        path = positions(run(args, folder, os.path.basename(name), *more))
+        moved = max(math.dist(p, path[0]) for p in path)
+        rows.append(f"| {name}, which stands still | moves {moved:.3f} m | | | 0.01 m |")
+        print(rows[-1], file=sys.stderr, flush=True)
     for title, make, floors in (("kitti05-300 in a crowd, median of the seeds", crowd, "3.5 / 0.8 / 1.5"),
                                 ("the rendered street, median of the seeds", street, "1.0 / 0.2 / 0.3")):
         each = []

@@ -104,6 +104,7 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", "pavo " PAVO_VERSION);
   for (CLI::App* command : app.get_subcommands(nullptr)) command->set_version_flag("--version", "pavo " PAVO_VERSION);
   // Errors are told once, in one line, by us. Who looks for the cause in OpenCV sets its own variable.
+  setenv("OPENCV_FFMPEG_LOGLEVEL", "-8", 0);  // FFmpeg's own lines; what went wrong is told by us, in one
   if (!std::getenv("OPENCV_LOG_LEVEL")) cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
   try {
     app.parse(argc, argv);
