@@ -36,9 +36,9 @@ const Film& film() {
 }
 
 /// Sees pictures, of the film or others; the true lengths between frames are told, so that the world is the film's.
-class Drive {
+class Sight {
  public:
-  explicit Drive(const Camera& camera = film().camera)
+  explicit Sight(const Camera& camera = film().camera)
       : loop_(std::make_unique<PlainLoop>(camera, PlainLoopOptions{}, std::make_shared<Lengths>(positions_))) {}
 
   const PoseResult& see(const Image& image, const Eigen::Vector3d& at) {
@@ -101,7 +101,7 @@ double travelled(std::size_t to) {
 // The camera stops right at a keyframe: the map moves that when it has adjusted it, and the pose must stay all the
 // same.
 TEST(KeyframeOdometry, StandsStillToTheBitWhileTheMapMoves) {
-  Drive drive;
+  Sight drive;
   std::size_t stop = 0;
   do {
     drive.see(stop);
@@ -122,7 +122,7 @@ TEST(KeyframeOdometry, StandsStillToTheBitWhileTheMapMoves) {
 }
 
 TEST(KeyframeOdometry, CoastsWhereNothingIsSeenAndGoesOnInTheSameMap) {
-  Drive drive;
+  Sight drive;
   for (std::size_t k = 0; k < 20; ++k) drive.see(k);
   const Image nothing = gray_picture();
   for (std::size_t k = 20; k < 23; ++k) {
@@ -139,7 +139,7 @@ TEST(KeyframeOdometry, CoastsWhereNothingIsSeenAndGoesOnInTheSameMap) {
 
 // Lost for long: the map begins anew where the motion model has come to, with the same scale, and never at the origin.
 TEST(KeyframeOdometry, BeginsAnewAtTheRightPlaceWhenItWasLost) {
-  Drive drive;
+  Sight drive;
   for (std::size_t k = 0; k < 20; ++k) drive.see(k);
   const Image nothing = gray_picture();
   for (std::size_t k = 20; k < 28; ++k) drive.see(nothing, film().truth[k].t);
@@ -157,7 +157,7 @@ TEST(KeyframeOdometry, BeginsAnewAtTheRightPlaceWhenItWasLost) {
 // The last picture as a camera would see it that turns where it is.
 TEST(KeyframeOdometry, TurnsOnTheSpotWithoutMoving) {
   constexpr std::size_t kStop = 20;
-  Drive drive;
+  Sight drive;
   SE3 before;
   for (std::size_t k = 0; k <= kStop; ++k) before = drive.see(k).T_w_c;
   const Camera& c = film().camera;
@@ -227,7 +227,7 @@ class OverAFloor : public testing::TestWithParam<std::pair<double, Eigen::Vector
 TEST_P(OverAFloor, ItStartsAllTheSame) {
   const auto& [pitch, step] = GetParam();
   const Floor floor(pitch);
-  Drive drive(floor.camera());
+  Sight drive(floor.camera());
   const SE3 first = floor.place({0, -3, 8});
   for (int k = 0; k < 25; ++k) {
     const SE3 T_f_c = floor.place(first.t + k * step), truth = first.inverse() * T_f_c;
