@@ -89,6 +89,8 @@ if(PAVO_SANITIZE STREQUAL "thread")
 endif()
 
 # pavo_test(NAME [LIBRARY...]): one test executable, made of all sources of the current folder, one file per behaviour.
+# With a sanitizer only those of its tests run that the folder names in pavo_sanitized_tests (GoogleTest's filter), if it
+# does; PAVO_TEST_ALL runs all.
 function(pavo_test name)
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
   if(NOT sources)
@@ -106,8 +108,12 @@ function(pavo_test name)
     return()
   endif()
   # The same tests in a few processes: with a sanitizer, to start one takes longer than most tests do.
+  set(filter "*")
+  if(pavo_sanitized_tests AND NOT PAVO_TEST_ALL)
+    set(filter "${pavo_sanitized_tests}")
+  endif()
   foreach(shard RANGE 3)
-    add_test(NAME ${name}.${shard} COMMAND ${name} --gtest_brief=1)
+    add_test(NAME ${name}.${shard} COMMAND ${name} --gtest_brief=1 --gtest_filter=${filter})
     set_tests_properties(${name}.${shard} PROPERTIES TIMEOUT 900
       ENVIRONMENT "GTEST_TOTAL_SHARDS=4;GTEST_SHARD_INDEX=${shard};${pavo_sanitizer_environment}")
   endforeach()

@@ -1,10 +1,13 @@
 #!/usr/bin/env bash
 # Installs what is needed, builds everything and passes every test: release, then the same tests under
 # AddressSanitizer with UndefinedBehaviorSanitizer, then under ThreadSanitizer.
-#   tools/test.sh [--all]    --all: what takes long too (the benchmarks' build, fuzzing, clang-tidy on every file)
+#   tools/test.sh [--all]    --all: what takes long too (the benchmarks' build, all of the command's tests under the
+#                            sanitizers, fuzzing, clang-tidy on every file)
 set -euo pipefail
 cd "$(dirname "$0")/.."
 all=${1:-}
+long=OFF
+[ "$all" = --all ] && long=ON
 jobs=$(nproc)
 
 step() { echo; printf '== %s (after %d min %02d s)\n' "$*" $((SECONDS / 60)) $((SECONDS % 60)); }
@@ -12,7 +15,9 @@ step() { echo; printf '== %s (after %d min %02d s)\n' "$*" $((SECONDS / 60)) $((
 # Builds quietly; a failure shows what the compiler said, not only that it failed.
 build() {
   local log="build/$1.log"
-  cmake --preset "$1" -DPAVO_BUILD_BENCHMARKS="$([ "$all" = --all ] && [ "$1" = release ] && echo ON || echo OFF)" >/dev/null
+  local options=("-DPAVO_TEST_ALL=$long")
+  [ "$1" = release ] && options+=("-DPAVO_BUILD_BENCHMARKS=$long")
+  cmake --preset "$1" "${options[@]}" >/dev/null
   cmake --build --preset "$1" --parallel "$jobs" >"$log" 2>&1 && { tail -n 1 "$log"; return; }
   grep -E -A 8 'FAILED:|error:|Killed|undefined reference' "$log" | head -n 60 >&2
   tail -n 5 "$log" >&2
