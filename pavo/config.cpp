@@ -295,9 +295,8 @@ bool uses_keyframes(const Config& config) {
 void check_estimator(const Config& config) {
   if (uses_keyframes(config) && config.odometry.tracker == "klt")
     throw std::runtime_error(
-        "--tracker klt (odometry.tracker) is of --estimator frame-to-frame (odometry.estimator): the keyframe "
-        "estimator "
-        "follows its points by itself");
+        "--tracker klt (odometry.tracker) is of --estimator frame-to-frame (odometry.estimator): keyframe follows its "
+        "points by itself");
 }
 
 nlohmann::ordered_json to_json(const Config& config) {

@@ -70,11 +70,11 @@ class Timing : public ::testing::TestWithParam<const char*> {
 };
 
 #if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
-constexpr std::size_t kDelayedFrames = 60;
+constexpr std::size_t kFramesARun = 60;
 const std::vector<int> kWorkers{1, 4};
 constexpr std::uint32_t kRuns = 1;
 #else
-constexpr std::size_t kDelayedFrames = 12;
+constexpr std::size_t kFramesARun = 12;
 const std::vector<int> kWorkers{1, 2, 3, 4, 8};
 constexpr std::uint32_t kRuns = 5;
 #endif
@@ -82,15 +82,15 @@ constexpr std::uint32_t kRuns = 5;
 TEST_P(Timing, ChangesNoPose) {
   Config c = config();
   c.engine.workers = 1;
-  const std::vector<SE3> expected = poses_of(c, kDelayedFrames, false);
-  ASSERT_EQ(expected.size(), kDelayedFrames);
+  const std::vector<SE3> expected = poses_of(c, kFramesARun, false);
+  ASSERT_EQ(expected.size(), kFramesARun);
   EXPECT_EQ(expected[0].R, Eigen::Matrix3d::Identity());
   EXPECT_EQ(expected[0].t, Eigen::Vector3d::Zero());
   for (const int workers : kWorkers)
     for (std::uint32_t run = 0; run < kRuns; ++run) {
       c.engine.workers = workers;
       c.engine.slots = run == 1 ? 5 : 0;
-      expect_same(poses_of(c, kDelayedFrames, true, 100 * run + static_cast<std::uint32_t>(workers)), expected,
+      expect_same(poses_of(c, kFramesARun, true, 100 * run + static_cast<std::uint32_t>(workers)), expected,
                   std::to_string(workers) + " workers, run " + std::to_string(run));
     }
 }
