@@ -6,7 +6,7 @@
 namespace pavo::test {
 namespace {
 
-const Camera kCamera{.width = 640, .height = 480, .fx = 500, .fy = 500, .cx = 320, .cy = 240};
+const Camera kPinhole{.width = 640, .height = 480, .fx = 500, .fy = 500, .cx = 320, .cy = 240};
 
 KeyframeRecord keyframe(std::int64_t frame, const SE3& T_last_c, double unit) {
   KeyframeRecord record;
@@ -23,7 +23,7 @@ SE3 ahead(double metres) {
 }
 
 TEST(Units, OfAKeyframeAreTheMaps) {
-  LocalMap map(kCamera, {});
+  LocalMap map(kPinhole, {});
   map.add(keyframe(0, SE3{}, 1));
   map.add(keyframe(1, ahead(1), 1));
   map.rescale(2);
@@ -35,7 +35,7 @@ TEST(Units, OfAKeyframeAreTheMaps) {
 // The sensor says that the baselines are three times what the map has: each update tells the whole of it, so that one
 // that never came (live, the newest is taken) takes nothing along.
 TEST(Units, AreToldAsAWhole) {
-  MetricMap map(kCamera, {});
+  MetricMap map(kPinhole, {});
   const Image none;
   const People nobody;
   MapUpdate update;
@@ -54,7 +54,7 @@ TEST(Units, AreToldAsAWhole) {
 }
 
 TEST(Units, OfANewMapAreWhatItsFirstKeyframeSays) {
-  MetricMap map(kCamera, {});
+  MetricMap map(kPinhole, {});
   const Image none;
   const People nobody;
   MapUpdate update;
@@ -64,7 +64,7 @@ TEST(Units, OfANewMapAreWhatItsFirstKeyframeSays) {
 }
 
 TEST(Units, FramesBetweenKeyframesPublishNothing) {
-  MetricMap map(kCamera, {});
+  MetricMap map(kPinhole, {});
   const Image none;
   const People nobody;
   MapUpdate update;
