@@ -100,6 +100,9 @@ function(pavo_test name)
   endif()
   add_executable(${name} ${sources})
   set_target_properties(${name} PROPERTIES UNITY_BUILD ON)
+  if(NOT PAVO_SANITIZE)  # there it is -O1 anyway
+    target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)  # what is tested is not compiled here
+  endif()
   target_link_libraries(${name} PRIVATE ${ARGN} GTest::gtest_main GTest::gmock pavo_compile_options)
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
   target_compile_definitions(${name} PRIVATE PAVO_SOURCE_DIR="${PROJECT_SOURCE_DIR}")

@@ -141,17 +141,15 @@ void Trace::write(int thread, const TraceEvent& e) {
          drop_reasons_[e.node].c_str(), pid, thread, start);
     return;
   }
-  const bool first = e.node == 0, last = e.node + 1 == nodes_.size();
+  const bool first = e.node == 0;
   line(R"({"ph":"X","cat":"stage","name":"%s","pid":%d,"tid":%d,"ts":%.3f,"dur":%.3f,)"
        R"("args":{"frame":%)" PRIu64 R"(,"wait_us":%.3f,"outcome":"%s"}})",
        nodes_[e.node].c_str(), pid, thread, start, us(e.t_end_ns - e.t_start_ns), e.sequence, us(e.wait_ns),
        word(e.kind));
-  // An arrow binds to the slice that is open on this row at its time.
-  line(R"({"ph":"%s","cat":"frame","name":"frame","id":%)" PRIu64 R"(,"pid":%d,"tid":%d,"ts":%.3f%s})",
-       first  ? "s"
-       : last ? "f"
-              : "t",
-       e.sequence, pid, thread, start, last ? R"(,"bp":"e")" : "");
+  // An arrow binds to the slice that is open on this row at its time. It is never ended ("f"): a background stage works
+  // on a frame after its delivery.
+  line(R"({"ph":"%s","cat":"frame","name":"frame","id":%)" PRIu64 R"(,"pid":%d,"tid":%d,"ts":%.3f})", first ? "s" : "t",
+       e.sequence, pid, thread, start);
   if (first)
     line(R"({"ph":"C","name":"frames in flight","pid":%d,"tid":0,"ts":%.3f,"args":{"frames":%u}})", pid, us(e.t_end_ns),
          static_cast<unsigned>(e.in_flight));

@@ -145,7 +145,8 @@ class Pavo : public Child {
 /// A simulated webcam on the kernel's own uvcvideo, plugged in.
 class Webcam {
  public:
-  Webcam() : simulator_(program(), "/tmp/uvcsim.log") { wait_for_node(true); }
+  /// `forces` is "FORMAT FRAME", by number: what it gives whatever it is asked for (uvcsim.cpp).
+  explicit Webcam(const char* forces = "0 0") : simulator_(program(forces), "/tmp/uvcsim.log") { wait_for_node(true); }
   ~Webcam() {  // the next test's webcam is not to be taken for this one on its way out
     if (plugged_in_) pull_out();
   }
@@ -170,8 +171,9 @@ class Webcam {
  private:
   inline static const std::string kPicture = "/tmp/picture";
 
-  static std::vector<std::string> program() {
+  static std::vector<std::string> program(const char* forces) {
     std::filesystem::remove(kPicture);
+    ::setenv("UVCSIM_FORCES", forces, 1);
     ::setenv("UVCSIM_PICTURE", kPicture.c_str(), 1);
     return {std::getenv("UVCSIM")};
   }

@@ -4,6 +4,7 @@
 // It shows what lies in the file that UVCSIM_PICTURE names, looked at before each frame (to be replaced by renaming): a
 // gray PGM of the size that is streamed, or anything else, whose bytes are sent as they are where the format is MJPG.
 // Without one, its frames are even, brighter from one to the next.
+// UVCSIM_FORCES="FORMAT FRAME", two numbers from 1, 0 for any: it answers with these, whatever it is asked for.
 // Needs the modules vhci_hcd and uvcvideo, and root.
 #include <arpa/inet.h>
 #include <fcntl.h>
@@ -143,10 +144,11 @@ static bytes stream_ctrl(const Stream& s) {
   le(b, kPayload, 4);
   return b;
 }
+static unsigned forced_format = 0, forced_frame = 0;
 static Stream parse_ctrl(const bytes& d) {
   Stream s;
-  s.fmt = d[2];
-  s.frame = d[3];
+  s.fmt = forced_format ? forced_format : d[2];
+  s.frame = forced_frame ? forced_frame : d[3];
   if (s.fmt < 1 || s.fmt > std::size(kFormats)) s.fmt = 1;
   if (s.frame < 1 || s.frame > std::size(kSizes)) s.frame = 1;
   uint32_t v = d[4] | d[5] << 8 | d[6] << 16 | uint32_t(d[7]) << 24;
@@ -381,6 +383,7 @@ static void attach() {
 }
 int main(int argc, char** argv) {
   if (argc > 1) fps_override = atof(argv[1]);
+  if (const char* forced = getenv("UVCSIM_FORCES")) sscanf(forced, "%u %u", &forced_format, &forced_frame);
   struct sigaction a {};
   a.sa_handler = [](int s) { want = s == SIGUSR2; };
   sigaction(SIGUSR1, &a, nullptr);

@@ -82,6 +82,39 @@ TEST(Webcam, TakesItsControls) {
   }
 }
 
+std::string error_of_opening(const FrameSize& size, const std::string& format) {
+  Kernel kernel;
+  try {
+    const LiveCamera camera(kernel, kWebcam, asking_for(size, 15, format));
+    return "no error: " + camera.format().text();
+  } catch (const DeviceError& e) {
+    return e.what();
+  }
+}
+
+TEST(Webcam, ThatGivesAnotherFormatIsTakenInThatOne) {
+  Webcam webcam("2 0");  // gray, though all that it offers is listed
+  Kernel kernel;
+  LiveCamera camera(kernel, kWebcam, asking_for({320, 240}, 15));
+  EXPECT_EQ(camera.format().pixels.name, "GREY");
+  EncodedImage image;
+  CameraFrame frame;
+  EXPECT_TRUE(camera.wait());
+  EXPECT_TRUE(camera.take(image, frame));
+  EXPECT_EQ(image.bytes.size(), 320u * 240u);
+}
+
+TEST(Webcam, ThatGivesNeitherTheFormatNorTheSizeThatWasNamedIsRefused) {
+  {
+    Webcam webcam("2 0");
+    EXPECT_EQ(error_of_opening({320, 240}, "YUYV"),
+              kWebcam + ": was asked for YUYV 320x240 and gives GREY 320x240; expected what was asked for");
+  }
+  Webcam webcam("0 1");
+  EXPECT_EQ(error_of_opening({320, 240}, "GREY"),
+            kWebcam + ": was asked for GREY 320x240 and gives GREY 640x480; expected what was asked for");
+}
+
 TEST(Node, WithoutPermissionIsOneLine) {
   std::filesystem::permissions(kVivid, std::filesystem::perms::owner_read);
   const pid_t child = ::fork();
