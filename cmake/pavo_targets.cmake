@@ -18,9 +18,6 @@ target_compile_options(pavo_compile_options INTERFACE
   -Wno-missing-field-initializers  # designated initializers leave the rest to the defaults, on purpose
   $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>  # g++ 12 sees overlaps in std::string concatenation that are not there (GCC bug 105651)
   -Wnon-virtual-dtor -Woverloaded-virtual -Werror
-  # Sources that are compiled as one (below) look like headers to g++, and shadow each other's names.
-  $<$<BOOL:$<TARGET_PROPERTY:UNITY_BUILD>>:-Wno-shadow>
-  $<$<AND:$<BOOL:$<TARGET_PROPERTY:UNITY_BUILD>>,$<CXX_COMPILER_ID:GNU>>:-Wno-subobject-linkage>
   # Poses are the same to the bit on every run of one SIMD target: the compiler may not contract a*b+c by itself.
   -ffp-contract=off)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")  # fewer rounds of g++'s garbage collector: a tenth of the time to build
@@ -34,7 +31,9 @@ if(PAVO_SANITIZE)
     -fsanitize=${PAVO_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all -g1
     # The instrumented standard library (std::regex above all) looks uninitialised to g++ 12 (GCC bug 105562); the
     # release build keeps the warning.
-    $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
+    $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>
+    # Sources that are compiled as one (below) look like headers to it, and shadow each other's names; release looks.
+    $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage> -Wno-shadow)
   if(PAVO_SANITIZE MATCHES "address" AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND NOT PAVO_TEST_ALL)
     # What takes g++ half of its time over Eigen: checks of memory, which are calls here instead; those for null and for
     # the object's size, which AddressSanitizer finds as well; and for alignment. PAVO_TEST_ALL has them all.
@@ -46,10 +45,11 @@ if(PAVO_SANITIZE)
   target_link_options(pavo_compile_options INTERFACE -fsanitize=${PAVO_SANITIZE})
 endif()
 
-# The sanitizer builds compile several sources as one: everything is built a second and a third time there, and most of that
-# is reading the same headers and instantiating the same templates. The release build compiles each file for itself, and so
-# shows that each includes what it uses. Files that are read once per SIMD target (foreach_target.h) stay alone.
-# The tests are compiled so in every build: a name that two of them have shows where it is written, not days later in CI.
+# Several sources are compiled as one: in every build the tests and the command, which read the same large headers over and
+# over (and a name that two tests have shows where it is written, not days later in CI), and with a sanitizer everything, as
+# it is built a second and a third time there. The release build compiles each file of engine/, stages/, drivers/ and pavo/
+# for itself, and so shows that each includes what it uses. Files that are read once per SIMD target (foreach_target.h) stay
+# alone.
 set(CMAKE_UNITY_BUILD_BATCH_SIZE 6)
 if(PAVO_SANITIZE)
   set(CMAKE_UNITY_BUILD ON)
@@ -80,8 +80,7 @@ function(pavo_library name)
   target_link_libraries(${name} PUBLIC ${ARGN} PRIVATE pavo_compile_options)
 endfunction()
 
-# What every test includes is read once where everything is built a second and a third time. The release build reads it
-# for each file, and so shows that each file includes what it uses.
+# What every test includes is read once where everything is built a second and a third time.
 if(PAVO_SANITIZE AND PAVO_BUILD_TESTS)
   file(GENERATE OUTPUT ${PROJECT_BINARY_DIR}/test_headers.cpp CONTENT "int main() {}\n")
   add_executable(pavo_test_headers EXCLUDE_FROM_ALL ${PROJECT_BINARY_DIR}/test_headers.cpp)
@@ -103,9 +102,6 @@ function(pavo_test name)
   endif()
   add_executable(${name} ${sources})
   set_target_properties(${name} PROPERTIES UNITY_BUILD ON)
-  if(NOT PAVO_SANITIZE)  # there it is -O1 anyway
-    target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)  # what is tested is not compiled here
-  endif()
   target_link_libraries(${name} PRIVATE ${ARGN} GTest::gtest_main GTest::gmock pavo_compile_options)
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
   target_compile_definitions(${name} PRIVATE PAVO_SOURCE_DIR="${PROJECT_SOURCE_DIR}")

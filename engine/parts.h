@@ -5,6 +5,8 @@
 #include <tuple>
 #include <typeinfo>
 
+#include "engine/graph.h"  // before the words below: else g++ says that its enumerators shadow them
+
 namespace pavo {
 
 /// A part of the frame that a background stage writes. The member of this type only names it: the values are the

@@ -3,7 +3,7 @@
 
 #include "stages/calibration/calibrate_camera.h"
 #include "tests/board_calibration/boards.h"
-#include "tests/trajectories/temporary.h"
+#include "tests/support/temporary.h"
 
 namespace pavo::test {
 namespace {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/trajectories/temporary.h"
+#include "tests/support/temporary.h"
 
 namespace pavo::test {
 

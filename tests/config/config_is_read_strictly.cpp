@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "pavo/config.h"
-#include "tests/trajectories/temporary.h"
+#include "tests/support/temporary.h"
 
 namespace pavo {
 namespace {

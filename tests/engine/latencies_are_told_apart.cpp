@@ -5,17 +5,6 @@
 namespace pavo::test {
 namespace {
 
-// Work that takes time on the virtual clock.
-struct Takes {
-  ManualClock& clock;
-  std::int64_t ns;
-  void operator()(const std::int64_t& in, std::int64_t& out) {
-    clock.advance(ns);
-    out = in;
-  }
-  void missed(std::int64_t&) {}
-};
-
 class AtOnce : public Source<Numbers> {
  public:
   AtOnce(ManualClock& clock, int count) : clock_(clock), count_(count) {}

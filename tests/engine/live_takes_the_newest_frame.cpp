@@ -117,18 +117,10 @@ Overload at_twice_the_rate(Admission admission) {
   PipelineOptions options = workers(1);
   options.admission = admission;
   Pipeline<Numbers> pipeline(options, clock);
-  struct Takes {
-    ManualClock& clock;
-    void operator()(const std::int64_t& in, std::int64_t& out) {
-      clock.advance(20 * kMs);
-      out = in;
-    }
-    void missed(std::int64_t&) {}
-  };
   Overload seen;
   std::int64_t last = -1;
   pipeline.source(writes(&Numbers::input));
-  pipeline.add("slow", reads(&Numbers::input), writes(&Numbers::sum), Takes{clock}, in_order);
+  pipeline.add("slow", reads(&Numbers::input), writes(&Numbers::sum), Takes{clock, 20 * kMs}, in_order);
   pipeline.deliver([&](const Numbers&, const FrameInfo& info, const Outcome&) {
     EXPECT_GT(info.source_index, last);
     EXPECT_EQ(info.gap, static_cast<std::uint64_t>(info.source_index - last - 1)) << "each frame tells what it lost";

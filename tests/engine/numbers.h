@@ -52,6 +52,17 @@ struct Double {
   void operator()(const std::int64_t& in, std::int64_t& out) const { out = 2 * in; }
 };
 
+/// Work that takes `ns` on the virtual clock.
+struct Takes {
+  ManualClock& clock;
+  std::int64_t ns;
+  void operator()(const std::int64_t& in, std::int64_t& out) {
+    clock.advance(ns);
+    out = in;
+  }
+  void missed(std::int64_t&) {}
+};
+
 /// In order: the running sum of squared + doubled; remembers what it saw.
 struct Sum {
   std::int64_t total = 0;

@@ -11,7 +11,7 @@
 
 #include "engine/trace.h"
 #include "tests/engine/numbers.h"
-#include "tests/trajectories/temporary.h"
+#include "tests/support/temporary.h"
 
 namespace pavo::test {
 namespace {
@@ -118,6 +118,73 @@ TEST(Trace, ArrowsFollowEachFrameFromTheSourceToTheDelivery) {
     EXPECT_EQ(count["s"], 1);
     EXPECT_EQ(count["t"], 4) << "square, double, sum, delivery";
   }
+}
+
+struct Mapped {
+  std::int64_t input = 0, sum = 0;
+  Delayed<std::int64_t> map;
+};
+
+class CountingMapped : public Source<Mapped> {
+ public:
+  explicit CountingMapped(std::int64_t count) : count_(count) {}
+  bool read(FrameInfo& info, Mapped& frame) override {
+    frame.input = info.source_index = next_;
+    return next_++ < count_;
+  }
+  std::optional<std::int64_t> next_arrival_ns() override { return 0; }
+
+ private:
+  std::int64_t count_, next_ = 0;
+};
+
+// Every second number goes on to the map, behind its delivery.
+struct EverySecond {
+  struct Work {
+    std::int64_t number = 0;
+  };
+  bool take(const FrameInfo& info, const std::int64_t& in, Work& work) const {
+    work.number = in;
+    return info.sequence % 2 == 0;
+  }
+  bool operator()(const FrameInfo&, Work& work, std::int64_t& out) {
+    out = work.number;
+    return true;
+  }
+};
+
+struct AddWhatFlowedBack {
+  void operator()(const std::int64_t& in, const std::int64_t* back, std::int64_t& out) {
+    out = in + (back ? *back : 0);
+  }
+  void missed(const std::int64_t*, std::int64_t&) {}
+};
+
+TEST(Trace, ArrowsGoOnToWhatIsDoneInTheBackground) {
+  const TemporaryFolder folder;
+  constexpr std::int64_t kFrames = 40;
+  SteadyClock clock;
+  Trace trace(folder.file("t.json"));
+  PipelineOptions options = workers(2);
+  options.trace = &trace;
+  Pipeline<Mapped> pipeline(options, clock);
+  pipeline.source(writes(&Mapped::input));
+  pipeline.add("add", reads(&Mapped::input, delayed<2>(&Mapped::map)), writes(&Mapped::sum), AddWhatFlowedBack{},
+               in_order);
+  pipeline.add("map", reads(&Mapped::sum), writes(&Mapped::map), EverySecond{}, background);
+  CountingMapped source(kFrames);
+  pipeline.run(source);
+  trace.finish();
+  const json events = json::parse(bytes_of(folder.file("t.json"))).at("traceEvents");
+  const auto rows = checked_slices(events);
+  std::map<std::string, std::set<std::int64_t>> reached;  // which frames' arrows, by stage
+  for (const json& e : events) {
+    if (e.at("ph") != "s" && e.at("ph") != "t") continue;
+    for (const Slice& s : rows.at(e.at("tid")))
+      if (s.begin <= e.at("ts") && e.at("ts") <= s.end && s.frame == e.at("id")) reached[s.name].insert(s.frame);
+  }
+  EXPECT_EQ(reached["delivery"].size(), kFrames);
+  EXPECT_EQ(reached["map"].size(), kFrames / 2);
 }
 
 TEST(Trace, NamesRowsAndOutcomes) {

@@ -5,7 +5,7 @@
 
 #include "drivers/trajectories/trajectory_files.h"
 #include "tests/evaluation/paths.h"
-#include "tests/trajectories/temporary.h"
+#include "tests/support/temporary.h"
 #include "tools/pavo/eval.h"
 
 namespace pavo {

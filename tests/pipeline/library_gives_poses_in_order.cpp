@@ -8,7 +8,7 @@
 
 #include "pavo/visual_odometry.h"
 #include "tests/pipeline/street.h"
-#include "tests/trajectories/temporary.h"
+#include "tests/support/temporary.h"
 
 namespace pavo::test {
 namespace {

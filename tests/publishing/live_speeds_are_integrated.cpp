@@ -9,7 +9,7 @@
 #include "drivers/publishing/live_speed.h"
 #include "stages/pose/scale.h"
 #include "tests/publishing/sockets.h"
-#include "tests/trajectories/temporary.h"
+#include "tests/support/temporary.h"
 
 namespace pavo::test {
 namespace {

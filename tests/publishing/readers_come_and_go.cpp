@@ -5,7 +5,7 @@
 
 #include "drivers/publishing/publisher.h"
 #include "tests/publishing/sockets.h"
-#include "tests/trajectories/temporary.h"
+#include "tests/support/temporary.h"
 
 namespace pavo::test {
 namespace {

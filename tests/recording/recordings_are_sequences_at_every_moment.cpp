@@ -11,7 +11,7 @@
 #include "drivers/recording/encode_png.h"
 #include "drivers/recording/sequence_recorder.h"
 #include "drivers/sequences/sequence.h"
-#include "tests/trajectories/temporary.h"
+#include "tests/support/temporary.h"
 
 namespace pavo::test {
 namespace {

@@ -1,28 +1,8 @@
 #include "tests/sequences/small_sequences.h"
 
 #include <cstdio>
-#include <cstdlib>
-#include <fstream>
 
 namespace pavo::test {
-
-namespace fs = std::filesystem;
-
-TemporaryFolder::TemporaryFolder() {
-  std::string name = (fs::temp_directory_path() / "pavo-XXXXXX").string();
-  if (!::mkdtemp(name.data())) throw std::runtime_error("no temporary folder");
-  path_ = name;
-}
-
-TemporaryFolder::~TemporaryFolder() {
-  std::error_code error;
-  fs::remove_all(path_, error);
-}
-
-void TemporaryFolder::write(const std::string& name, std::string_view bytes) const {
-  fs::create_directories((path_ / name).parent_path());
-  std::ofstream(path_ / name, std::ios::binary) << bytes;
-}
 
 std::string pgm(int width, int height, char shade) {
   return "P5\n# made by a test\n" + std::to_string(width) + " " + std::to_string(height) + "\n255\n" +

@@ -11,27 +11,9 @@
 
 #include "drivers/sequences/sequence.h"
 #include "tests/calibration/error_of.h"
+#include "tests/support/temporary.h"
 
 namespace pavo::test {
-
-/// A folder that vanishes with its test.
-class TemporaryFolder {
- public:
-  TemporaryFolder();
-  ~TemporaryFolder();
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-
-  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-  const std::filesystem::path& path() const { return path_; }
-  std::string string() const { return path_.string(); }
-
-  /// Writes a file, and the folders that it is in.
-  void write(const std::string& name, std::string_view bytes) const;
-
- private:
-  std::filesystem::path path_;
-};
 
 /// A gray PGM image; its pixels have the value `shade`.
 std::string pgm(int width, int height, char shade);

@@ -7,7 +7,7 @@
 
 #include "drivers/trajectories/append_file.h"
 #include "drivers/trajectories/trajectory_files.h"
-#include "tests/trajectories/temporary.h"
+#include "tests/support/temporary.h"
 
 namespace pavo {
 namespace {

@@ -8,7 +8,7 @@
 #include "drivers/trajectories/polyline.h"
 #include "drivers/trajectories/svg_writer.h"
 #include "drivers/trajectories/trajectory_svg.h"
-#include "tests/trajectories/temporary.h"
+#include "tests/support/temporary.h"
 
 namespace pavo {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <gmock/gmock.h>
 
-#include "tests/trajectories/temporary.h"
+#include "tests/support/temporary.h"
 
 namespace pavo {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "drivers/trajectories/trajectory_files.h"
 #include "tests/support/data.h"
-#include "tests/trajectories/temporary.h"
+#include "tests/support/temporary.h"
 
 namespace pavo {
 namespace {
