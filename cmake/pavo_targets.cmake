@@ -17,6 +17,7 @@ target_compile_options(pavo_compile_options INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
   -Wno-missing-field-initializers  # designated initializers leave the rest to the defaults, on purpose
   $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>  # g++ 12 sees overlaps in std::string concatenation that are not there (GCC bug 105651)
+  $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>  # sources that are compiled as one (below) look like headers to it
   -Wnon-virtual-dtor -Woverloaded-virtual -Werror
   # Poses are the same to the bit on every run of one SIMD target: the compiler may not contract a*b+c by itself.
   -ffp-contract=off)
@@ -31,37 +32,37 @@ if(PAVO_SANITIZE)
     -fsanitize=${PAVO_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all -g1
     # The instrumented standard library (std::regex above all) looks uninitialised to g++ 12 (GCC bug 105562); the
     # release build keeps the warning.
-    $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>
-    # Sources that are compiled as one (below) look like headers to it, and shadow each other's names; release looks.
-    $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage> -Wno-shadow)
+    $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
   if(PAVO_SANITIZE MATCHES "address" AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND NOT PAVO_TEST_ALL)
-    # What takes g++ half of its time over Eigen: checks of memory, which are calls here instead; those for null and for
-    # the object's size, which AddressSanitizer finds as well; and for alignment. PAVO_TEST_ALL has them all.
-    target_compile_options(pavo_compile_options INTERFACE
-      -fno-sanitize=null,object-size,alignment --param=asan-instrumentation-with-call-threshold=0)
-    # But not in the inner loops, where a call for each number would take most of the tests' time.
-    set(pavo_simd_sanitizer_options --param=asan-instrumentation-with-call-threshold=7000)
+    # What takes g++ long over Eigen: checks for null and for the object's size, which AddressSanitizer finds as well, and
+    # for alignment. PAVO_TEST_ALL has them all.
+    target_compile_options(pavo_compile_options INTERFACE -fno-sanitize=null,object-size,alignment)
   endif()
   target_link_options(pavo_compile_options INTERFACE -fsanitize=${PAVO_SANITIZE})
 endif()
 
-# Several sources are compiled as one: in every build the tests and the command, which read the same large headers over and
-# over (and a name that two tests have shows where it is written, not days later in CI), and with a sanitizer everything, as
-# it is built a second and a third time there. The release build compiles each file of engine/, stages/, drivers/ and pavo/
-# for itself, and so shows that each includes what it uses. Files that are read once per SIMD target (foreach_target.h) stay
-# alone.
-set(CMAKE_UNITY_BUILD_BATCH_SIZE 6)
-if(PAVO_SANITIZE)
+# Several sources are compiled as one, in every build: they read the same large headers, which takes longer than what stands
+# in them, and a name that two of them have shows where it is written, not days later in CI. tools/tidy.sh reads each file
+# for itself, and so shows that it includes what it uses. Files that are read once per SIMD target (foreach_target.h) stay alone.
+if(NOT DEFINED CMAKE_UNITY_BUILD)
   set(CMAKE_UNITY_BUILD ON)
 endif()
+set(CMAKE_UNITY_BUILD_BATCH_SIZE 6)
 function(pavo_keep_simd_files_alone)
   foreach(source ${ARGN})
     file(STRINGS ${source} per_target REGEX "hwy/foreach_target.h" LIMIT_COUNT 1)
     if(per_target)
-      set_source_files_properties(${source} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON
-                                                       COMPILE_OPTIONS "${pavo_simd_sanitizer_options}")
+      set_source_files_properties(${source} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
     endif()
   endforeach()
+endfunction()
+
+# pavo_compile_plainly(TARGET): what reads options, files and JSON. To optimise that takes a sanitizer's build longer than
+# all of its tests gain by it.
+function(pavo_compile_plainly target)
+  if(PAVO_SANITIZE)
+    target_compile_options(${target} PRIVATE -O0)
+  endif()
 endfunction()
 
 # pavo_library(NAME [DEPENDENCY...]): a part of the house, made of all sources of the current folder.
@@ -80,14 +81,6 @@ function(pavo_library name)
   target_link_libraries(${name} PUBLIC ${ARGN} PRIVATE pavo_compile_options)
 endfunction()
 
-# What every test includes is read once where everything is built a second and a third time.
-if(PAVO_SANITIZE AND PAVO_BUILD_TESTS)
-  file(GENERATE OUTPUT ${PROJECT_BINARY_DIR}/test_headers.cpp CONTENT "int main() {}\n")
-  add_executable(pavo_test_headers EXCLUDE_FROM_ALL ${PROJECT_BINARY_DIR}/test_headers.cpp)
-  target_precompile_headers(pavo_test_headers PRIVATE <gmock/gmock.h> <gtest/gtest.h>)
-  target_link_libraries(pavo_test_headers PRIVATE GTest::gtest GTest::gmock pavo_compile_options)
-endif()
-
 if(PAVO_SANITIZE STREQUAL "thread")
   set(pavo_sanitizer_environment "TSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/thread_sanitizer.supp")
 endif()
@@ -101,26 +94,28 @@ function(pavo_test name)
     return()
   endif()
   add_executable(${name} ${sources})
-  set_target_properties(${name} PROPERTIES UNITY_BUILD ON)
   target_link_libraries(${name} PRIVATE ${ARGN} GTest::gtest_main GTest::gmock pavo_compile_options)
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
   target_compile_definitions(${name} PRIVATE PAVO_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
-  if(TARGET pavo_test_headers)
-    target_precompile_headers(${name} REUSE_FROM pavo_test_headers)
-  endif()
-  if(NOT PAVO_SANITIZE)
+  if(PAVO_SANITIZE)
+    pavo_sanitized_shards(${name} ${name})
+  else()
+    target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)  # what is tested is compiled elsewhere
     gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST PROPERTIES TIMEOUT 300)
-    return()
   endif()
-  # The same tests in a few processes: with a sanitizer, to start one takes longer than most tests do.
+endfunction()
+
+# The same tests in two processes: with a sanitizer, to start one, and to render what its tests share, takes longer than
+# most tests do.
+function(pavo_sanitized_shards name program)
   set(filter "*")
   if(pavo_sanitized_tests AND NOT PAVO_TEST_ALL)
     set(filter "${pavo_sanitized_tests}")
   endif()
-  foreach(shard RANGE 3)
-    add_test(NAME ${name}.${shard} COMMAND ${name} --gtest_brief=1 --gtest_filter=${filter})
-    set_tests_properties(${name}.${shard} PROPERTIES TIMEOUT 900
-      ENVIRONMENT "GTEST_TOTAL_SHARDS=4;GTEST_SHARD_INDEX=${shard};${pavo_sanitizer_environment}")
+  foreach(shard RANGE 1)
+    add_test(NAME ${name}.${shard} COMMAND ${program} --gtest_brief=1 --gtest_filter=${filter})
+    set_tests_properties(${name}.${shard} PROPERTIES TIMEOUT 1800
+      ENVIRONMENT "GTEST_TOTAL_SHARDS=2;GTEST_SHARD_INDEX=${shard};${pavo_sanitizer_environment};${ARGN}")
   endforeach()
 endfunction()
 

@@ -16,7 +16,11 @@ step() { echo; printf '== %s (after %d min %02d s)\n' "$*" $((SECONDS / 60)) $((
 build() {
   local log="build/$1.log"
   local options=("-DPAVO_TEST_ALL=$long")
-  [ "$1" = release ] && options+=("-DPAVO_BUILD_BENCHMARKS=$long")
+  if [ "$1" = release ]; then
+    options+=("-DPAVO_BUILD_BENCHMARKS=$long")
+  else
+    options+=("-DPAVO_COMMAND_TESTS=$PWD/build/release/tests/command/test_command")
+  fi
   cmake --preset "$1" "${options[@]}" >/dev/null
   cmake --build --preset "$1" --parallel "$jobs" >"$log" 2>&1 && { tail -n 1 "$log"; return; }
   grep -E -A 8 'FAILED:|error:|Killed|undefined reference' "$log" | head -n 60 >&2

@@ -87,15 +87,26 @@ class BoardPainter {
     for (int y = -1; y <= camera.height; ++y)
       for (int x = -1; x <= camera.width; ++x)
         rays_.push_back(unproject(camera, {x, y}).value_or(Eigen::Vector3d::Zero()));
+    for (int y = 0; y <= camera.height; ++y)
+      for (int x = 0; x <= camera.width; ++x)
+        corner_rays_.push_back(unproject(camera, {x - 0.5, y - 0.5}).value_or(Eigen::Vector3d::Zero()));
   }
 
   void paint(const SE3& T_c_b, double noise_sigma, std::mt19937& random, Image& image) const {
     std::normal_distribution<double> noise(0, noise_sigma);
     image.resize(camera_.width, camera_.height);
     const SE3 T_b_c = T_c_b.inverse();
+    std::vector<double> corners;
+    corners.reserve(corner_rays_.size());
+    for (const Eigen::Vector3d& r : corner_rays_) corners.push_back(brightness(T_b_c, r));
     for (int y = 0; y < camera_.height; ++y)
-      for (int x = 0; x < camera_.width; ++x)
-        image.at(x, y) = static_cast<std::uint8_t>(std::clamp(pixel(T_b_c, x, y) + noise(random), 0.0, 255.0) + 0.5);
+      for (int x = 0; x < camera_.width; ++x) {
+        const double* above = &corners[static_cast<std::size_t>(y * (camera_.width + 1) + x)];
+        const double* below = above + camera_.width + 1;
+        const bool even = above[0] == above[1] && above[0] == below[0] && above[0] == below[1];
+        const double mean = even ? above[0] : mean_brightness(T_b_c, x, y);
+        image.at(x, y) = static_cast<std::uint8_t>(std::clamp(mean + noise(random), 0.0, 255.0) + 0.5);
+      }
   }
 
  private:
@@ -103,9 +114,8 @@ class BoardPainter {
     return rays_[static_cast<std::size_t>((y + 1) * (camera_.width + 2) + x + 1)];
   }
 
-  double pixel(const SE3& T_b_c, int x, int y) const {
+  double mean_brightness(const SE3& T_b_c, int x, int y) const {
     constexpr int kSide = 5;
-    if (const double even = brightness_if_even(T_b_c, x, y); even >= 0) return even;
     double sum = 0;
     for (int j = 0; j < kSide; ++j)
       for (int i = 0; i < kSide; ++i) {
@@ -116,19 +126,6 @@ class BoardPainter {
         sum += brightness(T_b_c, r);
       }
     return sum / (kSide * kSide);
-  }
-
-  // Of a pixel whose four corners show the same; else -1.
-  double brightness_if_even(const SE3& T_b_c, int x, int y) const {
-    double first = -1;
-    for (const int sx : {-1, 1})
-      for (const int sy : {-1, 1}) {
-        const Eigen::Vector3d r = ray(x, y) + 0.5 * (ray(x + sx, y) - ray(x, y)) + 0.5 * (ray(x, y + sy) - ray(x, y));
-        const double b = brightness(T_b_c, r);
-        if (first >= 0 && b != first) return -1;
-        first = b;
-      }
-    return first;
   }
 
   // Of what a ray of the camera meets in the board's plane.
@@ -145,7 +142,8 @@ class BoardPainter {
   }
 
   Camera camera_;
-  std::vector<Eigen::Vector3d> rays_;  ///< of the pixels' centres, and of one pixel more around them
+  std::vector<Eigen::Vector3d> rays_;         ///< of the pixels' centres, and of one pixel more around them
+  std::vector<Eigen::Vector3d> corner_rays_;  ///< of their corners: where all four show the same, so does the pixel
 };
 
 }  // namespace pavo::test

@@ -8,6 +8,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <thread>
@@ -48,7 +49,8 @@ const std::string& street() {
 
 Started::Started(const Words& words, const std::string& before) {
   const std::string script = before + "\nexec \"$@\"";
-  Words all{"/bin/sh", "-c", script, "sh", PAVO_COMMAND};
+  const char* elsewhere = std::getenv("PAVO_COMMAND");  // another build's, a sanitizer's
+  Words all{"/bin/sh", "-c", script, "sh", elsewhere ? elsewhere : PAVO_COMMAND};
   all.insert(all.end(), words.begin(), words.end());
   std::vector<char*> argv;
   for (std::string& word : all) argv.push_back(word.data());

@@ -1,4 +1,5 @@
 // What the documentation promises is what the program does.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <fstream>
@@ -59,7 +60,7 @@ TEST(Documents, NameEveryKeyItsDefaultAndItsRange) {
     ASSERT_NE(row, rows.end()) << setting.key << " is not in docs/configuration.md";
     expect_default(setting, row->second.fallback);
     for (const std::string_view choice : setting.choices)
-      EXPECT_THAT(row->second.range, ::testing::HasSubstr("`" + std::string(choice) + "`")) << setting.key;
+      EXPECT_THAT(row->second.range, ::testing::HasSubstr(fmt::format("`{}`", choice))) << setting.key;
     static const std::regex range("(-?[0-9.]+) to ([0-9.]+)");
     std::smatch match;
     if (setting.minimum == setting.maximum) continue;

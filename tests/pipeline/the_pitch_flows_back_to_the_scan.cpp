@@ -103,13 +103,14 @@ INSTANTIATE_TEST_SUITE_P(Estimators, PitchFlowsBack, ::testing::Values("frame-to
 TEST(PitchFlowsBackFrameToFrame, AsItWasSoManyFramesBefore) {
   Config config = with_height("frame-to-frame");
   const std::vector<Seen> seen = run(config, 2, true);
+  const Camera camera = RenderedStreet().camera();
   std::size_t looked = 0;
   for (std::size_t k = kHorizonDelay; k < seen.size(); ++k) {
     const auto& attitude = seen[k - kHorizonDelay].attitude;
     if (!attitude) continue;
     ++looked;
     config.camera.pitch_rad = attitude->pitch_rad;
-    EXPECT_EQ(seen[k].standing, standing_prior(config, RenderedStreet().camera())) << k;
+    EXPECT_EQ(seen[k].standing, standing_prior(config, camera)) << k;
   }
   EXPECT_GT(looked, 4u);
 }
