@@ -82,9 +82,9 @@ void Runtime::end_hung(const Overdue& hung) {
     else
       clock_.wait(drained_, key, patience_end);
   }
-  if (closed_.load()) return;  // it came back, and all is well but late
   const HungStage told = describe(hung);
   end_with(std::make_exception_ptr(RunError(told.message)));
+  if (closed_.load()) return;  // it came back, and the run, which was ended for it, says why it is short
   // Should it come back now, nothing more is delivered while the end is told.
   std::unique_lock lock(delivery_mutex_, std::defer_lock);
   if (hung.held.node != graph_.delivery()) {
