@@ -11,8 +11,7 @@ namespace pavo {
 /// lost. (Every thread of the engine has its own, so nothing wider than this is needed: moodycamel::ConcurrentQueue
 /// would be, for many writers, but its fences are invisible to the thread sanitizer.)
 template <class T>
-class EventRing {  // NOLINT(clang-analyzer-optin.performance.Padding): each thread's numbers on a cache line of their
-                   // own
+class EventRing {
  public:
   explicit EventRing(std::size_t capacity) : ring_(capacity) {}
 
