@@ -57,8 +57,9 @@ function(pavo_keep_simd_files_alone)
   endforeach()
 endfunction()
 
-# pavo_compile_plainly(TARGET): what reads options, files and JSON. To optimise that takes a sanitizer's build longer than
-# all of its tests gain by it.
+# pavo_compile_plainly(TARGET): tests that read options, files and JSON. To optimise that takes a sanitizer's build longer
+# than they gain by it. (Not for what the command is made of: the linker takes one copy of each inline function, and that
+# of the first object, which would be the slow one.)
 function(pavo_compile_plainly target)
   if(PAVO_SANITIZE)
     target_compile_options(${target} PRIVATE -O0)

@@ -2,7 +2,7 @@
 # Installs what is needed, builds everything and passes every test: release, then the same tests under
 # AddressSanitizer with UndefinedBehaviorSanitizer, then under ThreadSanitizer.
 #   tools/test.sh [--all]    --all: what takes long too (the benchmarks' build, all of the command's tests under the
-#                            sanitizers, fuzzing, clang-tidy on every file)
+#                            sanitizers, what has one thread under ThreadSanitizer too, fuzzing, clang-tidy on every file)
 set -euo pipefail
 cd "$(dirname "$0")/.."
 all=${1:-}

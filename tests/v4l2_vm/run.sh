@@ -15,7 +15,7 @@ for program in "$pavo" "$tests" "$uvcsim"; do
 done
 export VIVID_VM_CACHE=${VIVID_VM_CACHE:-$PWD/build/vm-cache}
 # Sanitizers need memory for their shadow; TCG has no clock to spare, hence the time.
-exec tests/v4l2_vm/run-in-vm.sh --times --timeout 900 --mem 2500 --modules 'vivid uvcvideo vhci_hcd' \
+exec tests/v4l2_vm/run-in-vm.sh --times --timeout 1800 --mem 2500 --modules 'vivid uvcvideo vhci_hcd' \
   --copy "$pavo" --copy "$uvcsim" --env "PAVO=$pavo" --env "UVCSIM=$uvcsim" \
   --env 'ASAN_OPTIONS=detect_stack_use_after_return=0' --env 'UBSAN_OPTIONS=print_stacktrace=1' \
   -- "$tests" --gtest_filter="$filter" --gtest_brief=0
