@@ -23,6 +23,16 @@ struct Trap {
   }
 };
 
+/// In order: hands on what it reads.
+struct TrappedCopy {
+  Trap& trap;
+  void operator()(const std::int64_t& in, std::int64_t& out) {
+    trap.step_on(in);
+    out = in;
+  }
+  void missed(std::int64_t&) {}
+};
+
 struct TrappedSource : Counting {
   TrappedSource(std::int64_t count, Trap& t) : Counting(count), trap(t) {}
   bool read(FrameInfo& info, Numbers& frame) override {
@@ -58,15 +68,8 @@ Hang run_into(Where where, int workers_count, std::int64_t number) {
         out = in;
       },
       parallel);
-  struct Copy {
-    Trap& t;
-    void operator()(const std::int64_t& in, std::int64_t& out) {
-      t.step_on(in);
-      out = in;
-    }
-    void missed(std::int64_t&) {}
-  };
-  pipeline.add("sum", reads(&Numbers::squared), writes(&Numbers::sum), Copy{trap_in(Where::in_order_stage)}, in_order);
+  pipeline.add("sum", reads(&Numbers::squared), writes(&Numbers::sum), TrappedCopy{trap_in(Where::in_order_stage)},
+               in_order);
   Hang hang;
   std::atomic<std::size_t> delivered{0};
   pipeline.deliver([&](const Numbers& frame, const FrameInfo&, const Outcome&) {
@@ -141,15 +144,7 @@ TEST(Watchdog, LetsSlowStagesBe) {
   options.stage_limit_ns = kLimit_ns;
   Pipeline<Numbers> pipeline(options, clock);
   pipeline.source(writes(&Numbers::input));
-  struct Slow {
-    ManualClock& clock;
-    void operator()(const std::int64_t& in, std::int64_t& out) {
-      clock.advance(kLimit_ns - 1);
-      out = in;
-    }
-    void missed(std::int64_t&) {}
-  };
-  pipeline.add("slow", reads(&Numbers::input), writes(&Numbers::sum), Slow{clock}, in_order);
+  pipeline.add("slow", reads(&Numbers::input), writes(&Numbers::sum), Takes{clock, kLimit_ns - 1}, in_order);
   pipeline.prepare();
   pipeline.on_hang([](const HungStage& hung) { ADD_FAILURE() << hung.message; });
   Counting source(50);
@@ -180,15 +175,7 @@ TEST(Watchdog, SaysWhyARunIsShortThatItEndedForAStageThatCameBack) {
           out = in;
         },
         parallel);
-    struct Copy {
-      Trap& t;
-      void operator()(const std::int64_t& in, std::int64_t& out) {
-        t.step_on(in);
-        out = in;
-      }
-      void missed(std::int64_t&) {}
-    };
-    pipeline.add("sum", reads(&Numbers::squared), writes(&Numbers::sum), Copy{held}, in_order);
+    pipeline.add("sum", reads(&Numbers::squared), writes(&Numbers::sum), TrappedCopy{held}, in_order);
     std::size_t delivered = 0;
     pipeline.deliver([&](const Numbers&, const FrameInfo&, const Outcome&) { ++delivered; });
     pipeline.prepare();
