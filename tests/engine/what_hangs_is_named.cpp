@@ -43,6 +43,12 @@ struct TrappedSource : Counting {
   Trap& trap;
 };
 
+// Whoever still holds a frame before the trapped one when the virtual clock goes on is overdue, too.
+template <class Frame>
+void wait_until_all_before_is_out(const Pipeline<Frame>& pipeline, std::int64_t number) {
+  while (pipeline.counts().done < static_cast<std::uint64_t>(number)) std::this_thread::yield();
+}
+
 struct Hang {
   HungStage told;
   std::size_t delivered_before = 0;
@@ -92,6 +98,7 @@ Hang run_into(Where where, int workers_count, std::int64_t number) {
     }
   });
   while (!trap.caught) std::this_thread::yield();
+  wait_until_all_before_is_out(pipeline, number);
   clock.advance(kLimit_ns - 1);  // not yet
   for (int i = 0; i < 100; ++i) std::this_thread::yield();
   EXPECT_EQ(hang.told.stage, "");
@@ -189,6 +196,7 @@ TEST(Watchdog, SaysWhyARunIsShortThatItEndedForAStageThatCameBack) {
       }
     });
     while (!before.caught || !long_held.caught) std::this_thread::yield();
+    wait_until_all_before_is_out(pipeline, 19);
     clock.advance(kLimit_ns / 2);
     before.open.release();  // frame 19 is late, too, but not as late as 20
     while (!held.caught) std::this_thread::yield();
@@ -250,6 +258,7 @@ TEST(Watchdog, NamesABackgroundStage) {
     EXPECT_THROW(pipeline.finish(), RunError);
   });
   while (!trap.caught) std::this_thread::yield();
+  wait_until_all_before_is_out(pipeline, 11);  // the twelfth waits for what flows back
   while (!told.try_acquire()) {
     clock.advance(kLimit_ns / 2);
     std::this_thread::yield();
