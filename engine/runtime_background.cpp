@@ -48,6 +48,8 @@ int Runtime::take_over(std::size_t node, const Slot& slot, const NodeCall& call)
   bool taken = false;
   if (has_inputs(node, slot)) {
     const int work = b.jobs.room();  // every frame: there always is, since the frame waited for it
+    Post& post = posts_[worker_post(call.worker)];
+    if (watched_) post.enter(node, call.info.sequence, clock_.now_ns());
     try {
       if (work >= 0)
         taken = bodies_[node].take(call, work);
@@ -56,6 +58,7 @@ int Runtime::take_over(std::size_t node, const Slot& slot, const NodeCall& call)
     } catch (...) {
       failed_in_background(b, std::current_exception());
     }
+    post.leave();
   }
   if (!taken) return published(b, call.info.sequence);
   b.jobs.put(call.info, clock_.now_ns());

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <system_error>
 
@@ -27,6 +28,16 @@ FileDescriptor open_file(const std::string& path) {
 void fetch_ahead(const std::string& path) {
   const FileDescriptor file = open_file(path);
   if (file.get() >= 0) ::posix_fadvise(file.get(), 0, 0, POSIX_FADV_WILLNEED);
+}
+
+/// By the median, so that pauses do not count.
+double rate_of(const std::vector<FrameFile>& frames) {
+  std::vector<std::int64_t> periods_ns;
+  for (std::size_t i = 1; i < frames.size(); ++i) periods_ns.push_back(frames[i].t_ns - frames[i - 1].t_ns);
+  if (periods_ns.empty()) return 0;
+  const auto median = periods_ns.begin() + static_cast<std::ptrdiff_t>(periods_ns.size() / 2);
+  std::nth_element(periods_ns.begin(), median, periods_ns.end());
+  return 1e9 / static_cast<double>(*median);
 }
 
 }  // namespace
@@ -54,6 +65,7 @@ void read_image_file(const std::string& path, std::vector<std::uint8_t>& bytes) 
 
 ImageSequence::ImageSequence(Recording recording) : recording_(std::move(recording)) {
   recording_.info.frame_count = static_cast<std::int64_t>(recording_.frames.size());
+  if (recording_.info.has_times) recording_.info.rate_hz = rate_of(recording_.frames);
   for (std::size_t i = 0; i < std::min(kFilesAhead, recording_.frames.size()); ++i)
     fetch_ahead(recording_.frames[i].path);
 }

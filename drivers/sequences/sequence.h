@@ -39,7 +39,9 @@ struct SequenceInfo {
   std::vector<std::int64_t> groundtruth_frames;
   std::string groundtruth_source;  ///< the file, and how much it covers if not all; without truth: why there is none
 
-  bool has_times = false;  ///< false: t_capture_ns is the frame's number, and nothing may be derived from it
+  bool has_times = false;           ///< false: t_capture_ns is the frame's number, and nothing may be derived from it
+  double rate_hz = 0;               ///< by the median of the times between frames, or the container's; 0: not known
+  std::int64_t times_replaced = 0;  ///< so far, of a video: those that were none or did not increase
   std::optional<std::int64_t> frame_count;  ///< of a video: what its container says, which may be wrong; or unknown
 };
 

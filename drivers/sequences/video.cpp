@@ -20,8 +20,8 @@ constexpr double kHighestRate_hz = 1000;
 /// what it allocates too.
 class VideoSequence final : public Sequence {
  public:
-  VideoSequence(const cv::VideoCapture& video, SequenceInfo info, double rate_hz, int width, int height)
-      : video_(video), info_(std::move(info)), rate_hz_(rate_hz), width_(width), height_(height) {}
+  VideoSequence(const cv::VideoCapture& video, SequenceInfo info, int width, int height)
+      : video_(video), info_(std::move(info)), width_(width), height_(height) {}
 
   const SequenceInfo& info() const override { return info_; }
 
@@ -71,14 +71,16 @@ class VideoSequence final : public Sequence {
     return true;
   }
 
-  /// The container's time; where that is none, or does not increase, the frame before and the rate give it.
-  std::int64_t time_of(std::int64_t index) const {
+  /// The container's time; where that is none, or does not increase, the frame before and the rate give it (counted).
+  std::int64_t time_of(std::int64_t index) {
     if (!info_.has_times) return index;
-    const double period_ns = 1e9 / rate_hz_;
-    const double t_ns = ends_early_ ? NAN : video_.get(cv::CAP_PROP_POS_MSEC) * 1e6;
+    const std::int64_t by_rate = index == 0 ? 0 : next_.t_capture_ns + std::llround(1e9 / info_.rate_hz);
+    if (ends_early_) return by_rate;  // there is no frame, and so no time to be wrong
+    const double t_ns = video_.get(cv::CAP_PROP_POS_MSEC) * 1e6;
     const bool plausible = std::isfinite(t_ns) && std::abs(t_ns) < 9e18;
     if (plausible && (index == 0 || std::llround(t_ns) > next_.t_capture_ns)) return std::llround(t_ns);
-    return index == 0 ? 0 : next_.t_capture_ns + std::llround(period_ns);
+    ++info_.times_replaced;
+    return by_rate;
   }
 
   void retrieve(EncodedImage& image) {
@@ -102,7 +104,6 @@ class VideoSequence final : public Sequence {
 
   cv::VideoCapture video_;
   SequenceInfo info_;
-  double rate_hz_;
   int width_, height_;  ///< of the last frame; of the container before the first
   FrameStamp next_{-1, 0, {}};
   bool grabbed_ = false;
@@ -162,11 +163,11 @@ std::unique_ptr<Sequence> open_video(const std::string& source, const SequenceOp
   info.path = source;
   const double count = video.get(cv::CAP_PROP_FRAME_COUNT), fps = video.get(cv::CAP_PROP_FPS);
   if (count >= 1 && count < 1e9) info.frame_count = static_cast<std::int64_t>(count);
-  const bool has_rate = fps > 0 && fps <= kHighestRate_hz;
-  info.has_times = has_rate || options.rate_hz > 0;
+  info.rate_hz = fps > 0 && fps <= kHighestRate_hz ? fps : options.rate_hz;
+  info.has_times = info.rate_hz > 0;
   take_video_calibration(info, options, width, height);
   take_video_groundtruth(info, options.groundtruth);
-  return std::make_unique<VideoSequence>(video, std::move(info), has_rate ? fps : options.rate_hz, width, height);
+  return std::make_unique<VideoSequence>(video, std::move(info), width, height);
 }
 
 }  // namespace pavo

@@ -41,6 +41,7 @@ SyntheticStreet::SyntheticStreet(const SyntheticOptions& options) {
   info.calibration_source = "synthetic";
   info.groundtruth_source = "synthetic";
   info.has_times = true;
+  info.rate_hz = options.rate_hz;
   info.frame_count = options.frames;
   const synthetic::Drive& drive = impl_->renderer.world().drive;
   impl_->T_street_first = drive.T_street_camera(0);

@@ -210,7 +210,8 @@ TEST(Watchdog, SaysWhyARunIsShortThatItEndedForAStageThatCameBack) {
   }
 }
 
-TEST(Watchdog, NamesABackgroundStage) {
+// A background stage that hangs at frame 9: when it takes over its inputs, on a worker, or behind the frames.
+std::string hang_in_background(bool when_it_takes) {
   struct Looped {
     std::int64_t input = 0, estimate = 0;
     Delayed<std::int64_t> correction;
@@ -223,13 +224,15 @@ TEST(Watchdog, NamesABackgroundStage) {
     struct Work {
       std::int64_t number = 0;
     };
-    Trap& trap;
+    Trap& taking;
+    Trap& working;
     bool take(const std::int64_t& in, Work& work) const {
+      taking.step_on(in);
       work.number = in;
       return true;
     }
     void operator()(Work& work, std::int64_t& out) {
-      trap.step_on(work.number);
+      working.step_on(work.number);
       out = work.number;
     }
   };
@@ -237,12 +240,13 @@ TEST(Watchdog, NamesABackgroundStage) {
   PipelineOptions options = workers(2);
   options.stage_limit_ns = kLimit_ns;
   Pipeline<Looped> pipeline(options, clock);
-  Trap trap{9};
+  Trap trap{9}, none{-1};
   std::atomic<std::size_t> delivered{0};
   pipeline.source(writes(&Looped::input));
   pipeline.add("estimate", reads(&Looped::input, delayed<2>(&Looped::correction)), writes(&Looped::estimate), Copy{},
                in_order);
-  pipeline.add("refine", reads(&Looped::estimate), writes(&Looped::correction), Refine{trap}, background);
+  pipeline.add("refine", reads(&Looped::estimate), writes(&Looped::correction),
+               Refine{when_it_takes ? trap : none, when_it_takes ? none : trap}, background);
   pipeline.deliver([&](const Looped&, const FrameInfo&, const Outcome&) { ++delivered; });
   pipeline.start();
   std::string message;
@@ -265,7 +269,12 @@ TEST(Watchdog, NamesABackgroundStage) {
   }
   trap.open.release();
   pusher.join();
-  EXPECT_EQ(message, "stage 'refine' has held frame 9 for more than 2.500 s: it hangs");
+  return message;
+}
+
+TEST(Watchdog, NamesABackgroundStage) {
+  for (const bool when_it_takes : {false, true})
+    EXPECT_EQ(hang_in_background(when_it_takes), "stage 'refine' has held frame 9 for more than 2.500 s: it hangs");
 }
 
 }  // namespace

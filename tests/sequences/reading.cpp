@@ -32,6 +32,17 @@ TEST(Reading, PeekTellsWhatReadWillDeliver) {
   EXPECT_FALSE(sequence->read(image, stamp));
 }
 
+TEST(Reading, TheRateIsTheMedianOfTheTimes) {
+  TemporaryFolder folder;
+  write_kitti(folder, 4);
+  folder.write("times.txt", "0\n0.05\n60\n60.05\n");  // a minute at the traffic lights
+  EXPECT_DOUBLE_EQ(open_sequence(folder.string())->info().rate_hz, 20);
+  std::filesystem::remove(folder / "times.txt");
+  EXPECT_EQ(open_sequence(folder.string())->info().rate_hz, 0);
+  EXPECT_NEAR(open_sequence(folder.string(), {.calibration = {}, .groundtruth = {}, .rate_hz = 30})->info().rate_hz, 30,
+              1e-6);
+}
+
 TEST(Reading, AFaultStaysWithItsFrame) {
   TemporaryFolder folder;
   write_kitti(folder, 7);

@@ -12,10 +12,10 @@ using testing::HasSubstr;
 constexpr int kVideoWidth = 96, kVideoHeight = 64;
 
 /// Frame i is gray of brightness 10 i. Empty where this OpenCV cannot write videos.
-std::string write_video(const TemporaryFolder& folder, int frames, const std::string& name = "drive.avi") {
+std::string write_video(const TemporaryFolder& folder, int frames, const std::string& name = "drive.avi",
+                        int codec = cv::VideoWriter::fourcc('M', 'J', 'P', 'G')) {
   const std::string path = (folder / name).string();
-  cv::VideoWriter writer(path, cv::CAP_FFMPEG, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 25,
-                         {kVideoWidth, kVideoHeight});
+  cv::VideoWriter writer(path, cv::CAP_FFMPEG, codec, 25, {kVideoWidth, kVideoHeight});
   if (!writer.isOpened()) return {};
   for (int i = 0; i < frames; ++i) writer.write(cv::Mat(kVideoHeight, kVideoWidth, CV_8UC3, cv::Scalar::all(10 * i)));
   return path;
@@ -49,6 +49,22 @@ TEST(Video, FramesGoStraightIntoTheImage) {
   }
   EXPECT_FALSE(sequence->peek());
   EXPECT_FALSE(sequence->read(image, stamp));
+}
+
+// As two recordings written one behind the other are: the second begins at 0 again.
+TEST(Video, TimesThatRunBackwardsAreReplacedAndCounted) {
+  TemporaryFolder folder;
+  const std::string once = write_video(folder, 10, "once.ts", cv::VideoWriter::fourcc('m', 'p', 'g', '2'));
+  if (once.empty()) GTEST_SKIP() << "OpenCV's videoio cannot write a video here (no FFmpeg)";
+  const auto sequence = open_sequence(folder.write("twice.ts", bytes_of(once) + bytes_of(once)));
+  EXPECT_EQ(sequence->info().rate_hz, 25);
+  EncodedImage image;
+  FrameStamp stamp;
+  std::vector<std::int64_t> times_ns;
+  while (sequence->read(image, stamp)) times_ns.push_back(stamp.t_capture_ns);
+  ASSERT_EQ(times_ns.size(), 20u);
+  for (std::size_t i = 1; i < times_ns.size(); ++i) EXPECT_EQ(times_ns[i] - times_ns[i - 1], 40'000'000) << i;
+  EXPECT_EQ(sequence->info().times_replaced, 10);
 }
 
 TEST(Video, FramesCanBeSkipped) {

@@ -25,13 +25,11 @@ class SequenceRun final : public RunSource {
   void drive(Pipeline<Frame>& pipeline) override { pipeline.run(source_); }
   std::int64_t capture_time_ns(std::int64_t index) const override { return source_.capture_time_ns(index); }
   std::int64_t lines(const Counts& counts) const override { return static_cast<std::int64_t>(counts.in); }
-  // Where the times of the truth tell it.
-  double rate_hz() const override {
-    const SequenceInfo& known = info();
-    if (!known.has_times || !known.groundtruth || known.groundtruth->t_ns.size() < 2) return 0;
-    const double frames = static_cast<double>(known.groundtruth_frames.back() - known.groundtruth_frames.front());
-    const double seconds = static_cast<double>(known.groundtruth->t_ns.back() - known.groundtruth->t_ns.front()) * 1e-9;
-    return seconds > 0 ? frames / seconds : 0;
+  double rate_hz() const override { return info().rate_hz; }
+  std::vector<std::string> warnings() const override {
+    if (info().times_replaced == 0) return {};
+    return {fmt::format("{}: the times of {} frames do not increase; they have the time before plus a period",
+                        info().path, info().times_replaced)};
   }
 
  private:

@@ -27,10 +27,11 @@ class RunSource {
   /// 0: unknown.
   virtual double rate_hz() const = 0;
 
+  virtual std::vector<std::string> warnings() const { return {}; }  ///< when the run has ended
+
   // --- what a camera has to tell; nothing for sequences
   virtual nlohmann::ordered_json report() const { return {}; }  ///< at any time; any thread
   virtual std::string summary() const { return {}; }
-  virtual std::vector<std::string> warnings() const { return {}; }
 };
 
 /// Opens what SOURCE names; a camera is started, and `live` says whether its newest frames are wanted or all. Throws
