@@ -19,10 +19,16 @@ struct Unreliable {
 };
 
 // Random failures, random stage times, random number of workers, stopped at a random moment, watched all the while.
-void one_round(std::uint64_t seed, std::int64_t frames, std::uint64_t& total) {
+// Live, frames come by a virtual clock, which goes on while the admission waits for it. Returns what is in the books.
+Counts one_round(std::uint64_t seed, std::int64_t frames, Admission admission) {
+  constexpr std::int64_t kPeriod_ns = 16;
   std::mt19937_64 random(seed);
-  SteadyClock clock;
+  const bool live = admission == Admission::live;
+  SteadyClock steady;
+  ManualClock manual;
+  Clock& clock = live ? static_cast<Clock&>(manual) : steady;
   PipelineOptions options = workers(1 + static_cast<int>(random() % 4));
+  options.admission = admission;
   options.slots = 2 + static_cast<int>(random() % 8);
   options.failures_in_a_row = 1000;
   Pipeline<Numbers> pipeline(options, clock);
@@ -43,29 +49,48 @@ void one_round(std::uint64_t seed, std::int64_t frames, std::uint64_t& total) {
       ASSERT_EQ(c.in, c.done + c.failed + c.dropped + c.in_flight);
       ASSERT_LE(c.in_flight, static_cast<std::uint64_t>(options.slots));
       if (c.in >= stop_at) pipeline.stop();
+      if (live && manual.sleepers() > 0) manual.advance(1 + static_cast<std::int64_t>(looks % 3));
       ++looks;
     }
   });
   while (looks == 0) std::this_thread::yield();
-  Counting source(frames);
+  Counting source(frames, {}, kPeriod_ns);
   pipeline.run(source);
   watcher.request_stop();
   watcher.join();
 
   const Counts end = pipeline.counts();
   EXPECT_EQ(end.in_flight, 0u);
-  EXPECT_EQ(end.in, end.done + end.failed);
-  EXPECT_EQ(delivered.size(), end.in);
-  for (std::uint64_t i = 0; i < delivered.size(); ++i)
-    ASSERT_EQ(delivered[i].source_index, static_cast<std::int64_t>(i));
-  EXPECT_EQ(sum.seen.size() + sum.missing.size(), end.in);
+  EXPECT_EQ(end.in, end.done + end.failed + end.dropped);
+  EXPECT_EQ(delivered.size(), end.done + end.failed);
+  std::int64_t next = 0;
+  for (const Delivered& frame : delivered) {
+    EXPECT_EQ(frame.source_index, next + static_cast<std::int64_t>(frame.gap)) << "what was dropped is announced";
+    next = frame.source_index + 1;
+  }
+  EXPECT_EQ(sum.seen.size() + sum.missing.size(), delivered.size());
   EXPECT_GT(looks, 0u);
-  total += end.in;
+  return end;
 }
 
 TEST(Books, BalanceUnderRandomFailuresAndAStopAtARandomMoment) {
-  std::uint64_t frames = 0;
-  for (std::uint64_t seed = 1; frames < 100'000; ++seed) one_round(seed, 4000, frames);
+  for (std::uint64_t seed = 1, frames = 0; frames < 100'000; ++seed) {
+    const Counts end = one_round(seed, 4000, Admission::every_frame);
+    EXPECT_EQ(end.dropped, 0u);
+    frames += end.in;
+  }
+}
+
+TEST(Books, BalanceWhileFramesAreDropped) {
+  std::uint64_t replaced = 0, done = 0;
+  for (std::uint64_t seed = 1, frames = 0; frames < 50'000; ++seed) {
+    const Counts end = one_round(seed, 1000, Admission::live);
+    replaced += end.dropped_by[static_cast<std::size_t>(DropReason::replaced)];
+    done += end.done;
+    frames += end.in;
+  }
+  EXPECT_GT(replaced, 500u);
+  EXPECT_GT(done, 500u);
 }
 
 }  // namespace
