@@ -1,4 +1,5 @@
-// Corner detectors that Debian's OpenCV ships, for those that have no descriptor of their own.
+// Detectors that Debian's OpenCV ships and that have no descriptor of their own: of corners and regions. Not
+// cv::SimpleBlobDetector, which finds nothing to match in some frames of KITTI.
 #pragma once
 
 #include <opencv2/features2d.hpp>
@@ -21,6 +22,9 @@ inline cv::Ptr<cv::Feature2D> shi_tomasi_detector() {
 }
 inline cv::Ptr<cv::Feature2D> harris_detector() {
   return cv::GFTTDetector::create(kMaxKeypoints, 0.0001, 3, 3, true);
+}
+inline cv::Ptr<cv::Feature2D> region_detector() {
+  return cv::MSER::create();
 }
 
 /// The strongest ones of the whole image, as OpenCV's own detectors choose them.

@@ -1,4 +1,4 @@
-// OpenCV's corners with pavo's upright SURF: what does the detector alone change?
+// OpenCV's corners and regions with pavo's upright SURF: what does the detector alone change?
 #include <cmath>
 #include <utility>
 
@@ -47,6 +47,7 @@ void add_corners_surf(Competitors& to) {
   to.push_back(std::make_unique<CornersSurf>("cv AGAST", agast_detector()));
   to.push_back(std::make_unique<CornersSurf>("cv Shi-Tomasi", shi_tomasi_detector()));
   to.push_back(std::make_unique<CornersSurf>("cv Harris", harris_detector()));
+  to.push_back(std::make_unique<CornersSurf>("cv MSER", region_detector()));
 }
 
 }  // namespace pavo::bench

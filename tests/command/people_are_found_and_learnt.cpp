@@ -75,6 +75,14 @@ TEST_F(Pictures, DetectPrintsAndDraws) {
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(at("drawn")), {}), 16);
 }
 
+TEST_F(Pictures, AFolderMayKeepThemInImages) {
+  write("set/images/one.pgm", textured(80, 160, 1));
+  folder_.write("set/truth.csv", "image,x,y,width,height,ignore\n");
+  const Called called = pavo({"detect", at("set"), "--json"});
+  ASSERT_EQ(called.status, 0) << called.error;
+  EXPECT_THAT(called.out, HasSubstr("one.pgm"));
+}
+
 TEST_F(Pictures, WhatCannotBeReadIsNamedAndTheRestDone) {
   folder_.write("empty/broken.pgm", "P5 100 100 255\nshort");
   const Called called = pavo({"detect", at("empty")});

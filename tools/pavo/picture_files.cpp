@@ -34,7 +34,8 @@ std::vector<fs::path> picture_files(const std::vector<std::string>& paths) {
       files.push_back(path);
       continue;
     }
-    const std::vector<fs::path> found = pictures_of(path);
+    const fs::path within = path / "images";
+    const std::vector<fs::path> found = pictures_of(fs::is_directory(within) ? within : path);
     files.insert(files.end(), found.begin(), found.end());
   }
   return files;
