@@ -43,7 +43,7 @@ endif()
 
 # Several sources are compiled as one, in every build: they read the same large headers, which takes longer than what stands
 # in them, and a name that two of them have shows where it is written, not days later in CI. tools/tidy.sh reads each file
-# for itself, and so shows that it includes what it uses. Files that are read once per SIMD target (foreach_target.h) stay
+# for itself (test.sh: those of the last commit, with --all every one), and so shows that it includes what it uses. Files that are read once per SIMD target (foreach_target.h) stay
 # alone.
 if(NOT DEFINED CMAKE_UNITY_BUILD)
   set(CMAKE_UNITY_BUILD ON)
@@ -102,7 +102,8 @@ function(pavo_test name)
   if(PAVO_SANITIZE)
     pavo_sanitized_shards(${name} ${name})
   else()
-    target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)  # what is tested is compiled elsewhere
+    # For the build's time: the libraries that are tested keep their -O3, what stands in headers is tested at -O1.
+    target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
     gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST PROPERTIES TIMEOUT 300)
   endif()
 endfunction()

@@ -72,8 +72,10 @@ def r_rel(truth, estimate, pitch, lengths, step):
 
 
 def best_pitch(truth, estimate, lengths, step):
-    grid = [p * 0.5e-3 for p in range(-40, 41)]
-    return min(grid, key=lambda p: r_rel(truth, estimate, p, lengths, step))
+    """rad; None where there is no least one within a degree"""
+    grid = [p * 0.5e-3 for p in range(-36, 37)]
+    best = min(grid, key=lambda p: r_rel(truth, estimate, p, lengths, step))
+    return None if best in (grid[0], grid[-1]) else best
 
 
 def side_slips(path):
@@ -113,8 +115,11 @@ def main():
             truth = poses(os.path.join(folder, "poses.txt"))
             estimate = poses(os.path.join(work, name, "trajectory.kitti"))
             pitch = best_pitch(truth, estimate, lengths, step)
-            print(f"| {name} | {r_rel(truth, estimate, 0, lengths, step):.2f} | {1e3 * pitch:.1f} | "
-                  f"{r_rel(truth, estimate, pitch, lengths, step):.2f} | {slip_text(truth)} / {slip_text(estimate)} |")
+            turned = "- | -"
+            if pitch is not None:
+                turned = f"{1e3 * pitch:.1f} | {r_rel(truth, estimate, pitch, lengths, step):.2f}"
+            print(f"| {name} | {r_rel(truth, estimate, 0, lengths, step):.2f} | {turned} | "
+                  f"{slip_text(truth)} / {slip_text(estimate)} |")
 
 
 if __name__ == "__main__":

@@ -39,9 +39,8 @@ struct SequenceInfo {
   std::vector<std::int64_t> groundtruth_frames;
   std::string groundtruth_source;  ///< the file, and how much it covers if not all; without truth: why there is none
 
-  bool has_times = false;           ///< false: t_capture_ns is the frame's number, and nothing may be derived from it
-  double rate_hz = 0;               ///< by the median of the times between frames, or the container's; 0: not known
-  std::int64_t times_replaced = 0;  ///< so far, of a video: those that were none or did not increase
+  bool has_times = false;  ///< false: t_capture_ns is the frame's number, and nothing may be derived from it
+  double rate_hz = 0;      ///< by the median of the times between frames, or the container's; 0: not known
   std::optional<std::int64_t> frame_count;  ///< of a video: what its container says, which may be wrong; or unknown
 };
 
@@ -52,7 +51,7 @@ struct FrameStamp {
   std::string name;               ///< "000042.jpg": for messages; keeps its capacity
 };
 
-/// Called by one thread. read() blocks for the file system only.
+/// Called by one thread, but for what says otherwise. read() blocks for the file system only.
 class Sequence {
  public:
   virtual ~Sequence() = default;
@@ -64,6 +63,8 @@ class Sequence {
   virtual bool read(EncodedImage& image, FrameStamp& stamp) = 0;
   /// Passes the next frame by without reading it; false at the end.
   virtual bool skip() = 0;
+  /// How many frames so far had no time, or one that did not increase, and were given one. Any thread.
+  virtual std::int64_t times_replaced() const { return 0; }
 };
 
 struct SequenceOptions {

@@ -1,3 +1,4 @@
+#include <atomic>
 #include <cmath>
 #include <filesystem>
 #include <opencv2/videoio.hpp>
@@ -52,6 +53,8 @@ class VideoSequence final : public Sequence {
     return true;
   }
 
+  std::int64_t times_replaced() const override { return times_replaced_; }
+
  private:
   /// Makes `next_` the frame that read() will deliver; false at the end.
   bool grab() {
@@ -79,7 +82,7 @@ class VideoSequence final : public Sequence {
     const double t_ns = video_.get(cv::CAP_PROP_POS_MSEC) * 1e6;
     const bool plausible = std::isfinite(t_ns) && std::abs(t_ns) < 9e18;
     if (plausible && (index == 0 || std::llround(t_ns) > next_.t_capture_ns)) return std::llround(t_ns);
-    ++info_.times_replaced;
+    ++times_replaced_;
     return by_rate;
   }
 
@@ -109,6 +112,7 @@ class VideoSequence final : public Sequence {
   bool grabbed_ = false;
   bool ends_early_ = false;
   bool at_end_ = false;
+  std::atomic<std::int64_t> times_replaced_{0};
 };
 
 void take_video_calibration(SequenceInfo& info, const SequenceOptions& options, int width, int height) {

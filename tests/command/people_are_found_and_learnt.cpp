@@ -81,6 +81,11 @@ TEST_F(Pictures, AFolderMayKeepThemInImages) {
   const Called called = pavo({"detect", at("set"), "--json"});
   ASSERT_EQ(called.status, 0) << called.error;
   EXPECT_THAT(called.out, HasSubstr("one.pgm"));
+
+  write("set/own.pgm", textured(80, 160, 2));  // its own come first
+  const Called own = pavo({"detect", at("set"), "--json"});
+  ASSERT_EQ(own.status, 0) << own.error;
+  EXPECT_THAT(own.out, testing::AllOf(HasSubstr("own.pgm"), testing::Not(HasSubstr("one.pgm"))));
 }
 
 TEST_F(Pictures, WhatCannotBeReadIsNamedAndTheRestDone) {

@@ -1,6 +1,7 @@
 // A stage that hangs: named within its limit, all before it written, status 1. It hangs because one of the command's
 // workers is stopped in the middle of it, as a debugger stops a thread.
 #include <sys/ptrace.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 
 #include <chrono>
@@ -38,6 +39,13 @@ class Stopped {
     ::waitpid(thread, nullptr, __WALL);
     return Stopped(thread);
   }
+  /// It wakes another thread, or sleeps: that is the engine, between two stages.
+  bool is_between_stages() const {
+    std::string number;
+    std::ifstream("/proc/" + std::to_string(thread_) + "/syscall") >> number;
+    return number == std::to_string(SYS_futex);
+  }
+  void go_on() const { ::ptrace(PTRACE_DETACH, thread_, nullptr, nullptr); }
   /// Whether its process ends within that time.
   bool ends_within(std::chrono::seconds time) const {
     const auto until = std::chrono::steady_clock::now() + time;
@@ -53,34 +61,52 @@ class Stopped {
   pid_t thread_;
 };
 
-// Nothing where the thread could not be stopped, or was between two stages when it was.
-std::optional<Called> call_with_a_hanging_stage(const Recording& recording) {
-  Started run(recording.run({"--config", recording.file("limit.toml"), "--workers", "2"}));
+// Nothing where the thread could not be stopped, or was between two stages when it was. `stopped_any`: it was stopped.
+std::optional<Called> call_with_a_hanging_stage(const Recording& recording, bool& stopped_any) {
+  // One worker: of two, one often looks for something to do.
+  Started run(recording.run({"--config", recording.file("limit.toml"), "--workers", "1"}));
   if (!run.wait_for_lines(recording.out() + "/trajectory.kitti", 20)) return std::nullopt;
-  pid_t worker = 0;
-  for (int looks = 0; worker == 0 && looks < 10'000; ++looks) worker = busy_worker(run.pid());
-  const std::optional<Stopped> stopped = worker == 0 ? std::nullopt : Stopped::stop(worker);
+  std::optional<Stopped> stopped;
+  for (int looks = 0; !stopped && looks < 10'000; ++looks) {
+    const pid_t worker = busy_worker(run.pid());
+    if (worker == 0) continue;
+    stopped = Stopped::stop(worker);
+    if (!stopped) return std::nullopt;
+    if (!stopped->is_between_stages()) break;
+    stopped->go_on();
+    stopped.reset();
+  }
   if (!stopped) return std::nullopt;
-  if (stopped->ends_within(std::chrono::seconds(10))) return run.wait();
+  stopped_any = true;
+  if (stopped->ends_within(std::chrono::seconds(20))) return run.wait();
   run.send(SIGKILL);
-  stopped->ends_within(std::chrono::seconds(10));
+  stopped->ends_within(std::chrono::seconds(20));
   return std::nullopt;
+}
+
+// Where the delivery itself hangs, there is no way out. And on a busy machine another stage may be over the limit and
+// come back: that is told too, but nothing is lost then.
+bool is_of_the_stopped_one(const std::smatch& told, const Recording& recording) {
+  const auto rows = rows_of(recording.out() + "/frames.csv");
+  const auto row = static_cast<std::size_t>(std::stoul(told[2])) + 1;
+  return told[1] != "delivery" && row < rows.size() && rows[row][2] != "done";
 }
 
 TEST(StageThatHangs, IsNamedWhenAllBeforeItIsWritten) {
   const Recording recording;
   recording.make_long(3000);
-  recording.write("limit.toml", "[engine]\nstage_limit_s = 1\n");
-  const std::regex told("pavo: .*: stage '([a-z]+)' has held frame ([0-9]+) for more than 1 s: it hangs\n");
+  recording.write("limit.toml", "[engine]\nstage_limit_s = 3\n");
+  const std::regex told("pavo: .*: stage '([a-z]+)' has held frame ([0-9]+) for more than 3 s: it hangs\n");
   std::smatch words;
   std::optional<Called> called;
+  bool stopped_any = false;
   for (int attempt = 0; attempt < 5 && words.empty(); ++attempt) {
     fs::remove_all(recording.out());
-    called = call_with_a_hanging_stage(recording);
-    // Where the delivery itself hangs, there is no way out.
-    if (called && std::regex_search(called->error, words, told) && words[1] == "delivery") words = {};
+    called = call_with_a_hanging_stage(recording, stopped_any);
+    if (called && std::regex_search(called->error, words, told) && !is_of_the_stopped_one(words, recording)) words = {};
   }
-  if (!called) GTEST_SKIP() << "the system lets no thread be stopped";
+  if (!stopped_any) GTEST_SKIP() << "the system lets no thread be stopped";
+  ASSERT_TRUE(called) << "a worker was stopped, and the run did not end";
   ASSERT_EQ(words.size(), 3u) << called->error;
 
   EXPECT_EQ(called->status, 1);

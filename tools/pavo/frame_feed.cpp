@@ -143,7 +143,11 @@ class SequenceFeed final : public FrameFeed {
     return false;
   }
 
-  FeedCounts counts() const override { return counts_; }
+  FeedCounts counts() const override {
+    FeedCounts counts = counts_;
+    counts.replaced_times = static_cast<std::uint64_t>(sequence_->times_replaced());
+    return counts;
+  }
   void interrupt() override {
     const std::lock_guard lock(mutex_);
     interrupted_ = true;

@@ -30,11 +30,12 @@ struct FeedOptions {
 void add_feed_options(CLI::App& command, FeedOptions& options);
 
 struct FeedCounts {
-  std::uint64_t taken = 0;   ///< frames that next() gave
-  std::uint64_t broken = 0;  ///< damaged by the driver's word, too short, unreadable: left out
-  std::uint64_t lost = 0;    ///< by the driver, or while the camera was away
-  std::uint64_t passed = 0;  ///< newer ones came (newest)
-  std::string first_broken;  ///< why the first of them was
+  std::uint64_t taken = 0;           ///< frames that next() gave
+  std::uint64_t broken = 0;          ///< damaged by the driver's word, too short, unreadable: left out
+  std::uint64_t lost = 0;            ///< by the driver, or while the camera was away
+  std::uint64_t passed = 0;          ///< newer ones came (newest)
+  std::uint64_t replaced_times = 0;  ///< of a video: those that were missing or did not increase
+  std::string first_broken;          ///< why the first of them was
 };
 
 /// One reader. counts(): the same thread; interrupt(): any.

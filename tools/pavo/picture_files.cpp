@@ -35,7 +35,8 @@ std::vector<fs::path> picture_files(const std::vector<std::string>& paths) {
       continue;
     }
     const fs::path within = path / "images";
-    const std::vector<fs::path> found = pictures_of(fs::is_directory(within) ? within : path);
+    const bool elsewhere = fs::is_directory(within) && list_images(path).empty();
+    const std::vector<fs::path> found = pictures_of(elsewhere ? within : path);
     files.insert(files.end(), found.begin(), found.end());
   }
   return files;

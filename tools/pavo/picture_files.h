@@ -10,9 +10,9 @@
 
 namespace pavo {
 
-/// The files that are named, and the pictures (by their extension) of the folders that are named: those in `images/`,
-/// where there is such a folder in one; in order of their names. Throws std::runtime_error naming a path that is not
-/// there, or a folder without a picture.
+/// The files that are named, and the pictures (by their extension) of the folders that are named: those in its
+/// `images/`, where a folder has none itself; in order of their names. Throws std::runtime_error naming a path that is
+/// not there, or a folder without a picture.
 std::vector<std::filesystem::path> picture_files(const std::vector<std::string>& paths);
 
 /// Reads and decodes; one per thread.

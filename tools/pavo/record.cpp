@@ -181,6 +181,7 @@ class Recording {
     warn(r.failed, "were not recorded; the first: " + recorder_.first_failure());
     warn(f.broken, "were broken and are left out; the first: " + f.first_broken);
     warn(f.lost, "were lost before they came here: by the driver, or while the camera was away");
+    warn(f.replaced_times, "had no time or one that did not increase; it is the time before and a period");
     if (!feed_.camera())
       fmt::print(stderr, "pavo: warning: no calibration is recorded, since none was given (--calibration FILE)\n");
   }

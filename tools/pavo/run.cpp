@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -104,10 +105,12 @@ void check_times(const Config& config, const SequenceInfo& info) {
 }
 
 // Of the film that is drawn: that of the source where it tells it.
+// To a hundredth, and no more than a film can have: MPEG-4 counts time in at most 65535 parts of a second.
 double film_rate_hz(const RunSource& source, const Config& config) {
-  constexpr double kDefault_hz = 10;
-  if (config.source.rate_hz > 0) return config.source.rate_hz;
-  return source.rate_hz() > 0 ? source.rate_hz() : kDefault_hz;
+  double rate_hz = 10;
+  if (config.source.rate_hz > 0) rate_hz = config.source.rate_hz;
+  if (source.rate_hz() > 0) rate_hz = source.rate_hz();
+  return std::clamp(std::round(100 * rate_hz) / 100, 0.1, 600.0);
 }
 
 std::string accuracy_line(const char* who, const Evaluation& e) {

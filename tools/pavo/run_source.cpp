@@ -27,9 +27,11 @@ class SequenceRun final : public RunSource {
   std::int64_t lines(const Counts& counts) const override { return static_cast<std::int64_t>(counts.in); }
   double rate_hz() const override { return info().rate_hz; }
   std::vector<std::string> warnings() const override {
-    if (info().times_replaced == 0) return {};
-    return {fmt::format("{}: the times of {} frames do not increase; they have the time before plus a period",
-                        info().path, info().times_replaced)};
+    const std::int64_t replaced = sequence_->times_replaced();
+    if (replaced == 0) return {};
+    return {
+        fmt::format("{}: {} times are missing or do not increase, and were replaced by the time before and a period",
+                    info().path, replaced)};
   }
 
  private:

@@ -27,7 +27,7 @@ class RunSource {
   /// 0: unknown.
   virtual double rate_hz() const = 0;
 
-  virtual std::vector<std::string> warnings() const { return {}; }  ///< when the run has ended
+  virtual std::vector<std::string> warnings() const { return {}; }  ///< at any time; any thread
 
   // --- what a camera has to tell; nothing for sequences
   virtual nlohmann::ordered_json report() const { return {}; }  ///< at any time; any thread
