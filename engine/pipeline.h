@@ -81,13 +81,13 @@ class Pipeline {
   }
 
   template <class... In, class... Out, class Stage, class Kind>
-  void add(std::string name, Reads<In...> in, Writes<Out...> out, Stage stage, Kind) {
+  void add(const std::string& name, Reads<In...> in, Writes<Out...> out, Stage stage, Kind) {
     constexpr bool in_background = std::is_same_v<Kind, InBackground>;
     static_assert(std::is_same_v<Kind, Parallel> || std::is_same_v<Kind, InOrder> || in_background,
                   "a stage is `parallel`, `in_order` or `background`");
     static_assert((... && (detail::is_delayed(Out()) == in_background)),
                   "background stages, and only they, write parts of type Delayed<T>");
-    StageDeclaration declaration{.name = std::move(name), .kind = kind_of(Kind())};
+    StageDeclaration declaration{.name = name, .kind = kind_of(Kind())};
     std::apply([&](auto... m) { (declare_read(declaration, m), ...); }, in.parts);
     std::apply([&](auto... m) { (declaration.writes.push_back(part(m)), ...); }, out.parts);
     declarations_.push_back(std::move(declaration));

@@ -67,7 +67,8 @@ class Noise {
  private:
   static float fade(float t) { return t * t * (3 - 2 * t); }
   float at(int x, int y) const {
-    return lattice_[static_cast<std::size_t>((y & (kSize - 1)) * kSize + (x & (kSize - 1)))];
+    const int index = (y & (kSize - 1)) * kSize + (x & (kSize - 1));
+    return lattice_[static_cast<std::size_t>(index)];
   }
 
   std::vector<float> lattice_;

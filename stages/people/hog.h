@@ -32,7 +32,8 @@ static_assert(kDescriptorSize == PedestrianModel::kWeights);
 
 /// Where a number is in a window's descriptor: block by rows, in it the cell by rows, in it the orientation.
 constexpr std::size_t descriptor_index(int block_y, int block_x, int cell_y, int cell_x, int bin) {
-  return static_cast<std::size_t>((((block_y * kBlocksX + block_x) * 2 + cell_y) * 2 + cell_x) * kBins + bin);
+  const int index = (((block_y * kBlocksX + block_x) * 2 + cell_y) * 2 + cell_x) * kBins + bin;
+  return static_cast<std::size_t>(index);
 }
 
 using Tone = HogTone;
