@@ -43,8 +43,8 @@ endif()
 
 # Several sources are compiled as one, in every build: they read the same large headers, which takes longer than what stands
 # in them, and a name that two of them have shows where it is written, not days later in CI. tools/tidy.sh reads each file
-# for itself (test.sh: those of the last commit, with --all every one), and so shows that it includes what it uses. Files that are read once per SIMD target (foreach_target.h) stay
-# alone.
+# for itself (test.sh: those of the last commit, with --all every one), and so shows that it includes what it uses. Files
+# that are read once per SIMD target (foreach_target.h) stay alone.
 if(NOT DEFINED CMAKE_UNITY_BUILD)
   set(CMAKE_UNITY_BUILD ON)
 endif()

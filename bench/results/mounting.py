@@ -12,6 +12,7 @@ is its standard deviation over seconds in which the car turns by less than 2 mra
 Every run: --scale groundtruth, so that lengths are the truth's. Python 3's own library only.
 """
 import argparse
+import json
 import math
 import os
 import statistics
@@ -19,9 +20,8 @@ import subprocess
 import tempfile
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-# lengths of the segments in m, and every how many frames one begins: as docs/results.md has them
-DRIVES = {"kitti05-300": ((100, 200), 10), "kitti-street-108": ((100,), 1), "kitti-city-134": ((100,), 1),
-          "kitti01-51": ((10, 20, 30, 40, 50), 1)}
+# every how many frames a segment begins: as docs/results.md has it
+DRIVES = {"kitti05-300": 10, "kitti-street-108": 1, "kitti-city-134": 1, "kitti01-51": 1}
 
 
 def times(A, B):
@@ -30,11 +30,6 @@ def times(A, B):
 
 def transposed(A):
     return [list(row) for row in zip(*A)]
-
-
-def angle(R):
-    s = math.hypot(R[2][1] - R[1][2], R[0][2] - R[2][0], R[1][0] - R[0][1])
-    return math.atan2(s, R[0][0] + R[1][1] + R[2][2] - 1)
 
 
 def pitched(R, pitch):
@@ -49,33 +44,16 @@ def poses(file):
     return [([r[0:3], r[4:7], r[8:11]], (r[3], r[7], r[11])) for r in rows]
 
 
-def way(truth):
-    d = [0.0]
-    for (_, a), (_, b) in zip(truth, truth[1:]):
-        d.append(d[-1] + math.dist(a, b))
-    return d
-
-
-def r_rel(truth, estimate, pitch, lengths, step):
-    """deg/100 m, by KITTI's rule"""
-    d, errors = way(truth), []
-    turned = [pitched(R, pitch) for R, _ in estimate]
-    for i in range(0, len(truth), step):
-        for length in lengths:
-            j = next((j for j in range(i, len(d)) if d[j] > d[i] + length), None)
-            if j is None:
-                continue
-            told = times(transposed(turned[i]), turned[j])
-            true = times(transposed(truth[i][0]), truth[j][0])
-            errors.append(math.degrees(angle(times(transposed(told), true))) / length * 100)
-    return statistics.mean(errors)
-
-
-def best_pitch(truth, estimate, lengths, step):
-    """rad; None where there is no least one within a degree"""
-    grid = [p * 0.5e-3 for p in range(-36, 37)]
-    best = min(grid, key=lambda p: r_rel(truth, estimate, p, lengths, step))
-    return None if best in (grid[0], grid[-1]) else best
+def r_rel(args, name, estimate, pitch, work):
+    """deg/100 m, as `pavo eval` has it; positions do not count in it"""
+    turned, result = os.path.join(work, "turned.kitti"), os.path.join(work, "eval.json")
+    with open(turned, "w", encoding="utf-8") as file:
+        for R, t in estimate:
+            file.write(" ".join(repr(x) for row, p in zip(pitched(R, pitch), t) for x in (*row, p)) + "\n")
+    subprocess.run([args.pavo, "eval", turned, os.path.join(args.data, "sequences", name, "poses.txt"), "--step",
+                    str(DRIVES[name]), "--json", result], check=True, stdout=subprocess.DEVNULL)
+    with open(result, encoding="utf-8") as text:
+        return json.load(text)["estimates"][0]["raw"]["segments"]["r_rel_deg_per_100m"]
 
 
 def side_slips(path):
@@ -108,18 +86,17 @@ def main():
     print("| drive | r_rel deg/100 m | camera's pitch mrad | r_rel with it | side slip's deviation, truth / pavo mrad |")
     print("| --- | --- | --- | --- | --- |")
     with tempfile.TemporaryDirectory() as work:
-        for name, (lengths, step) in DRIVES.items():
+        for name in DRIVES:
             folder = os.path.join(args.data, "sequences", name)
             subprocess.run([args.pavo, "run", folder, "--scale", "groundtruth", "--out", os.path.join(work, name)],
                            check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
             truth = poses(os.path.join(folder, "poses.txt"))
             estimate = poses(os.path.join(work, name, "trajectory.kitti"))
-            pitch = best_pitch(truth, estimate, lengths, step)
-            turned = "- | -"
-            if pitch is not None:
-                turned = f"{1e3 * pitch:.1f} | {r_rel(truth, estimate, pitch, lengths, step):.2f}"
-            print(f"| {name} | {r_rel(truth, estimate, 0, lengths, step):.2f} | {turned} | "
-                  f"{slip_text(truth)} / {slip_text(estimate)} |")
+            by_pitch = {0.5 * step: r_rel(args, name, estimate, 0.5e-3 * step, work) for step in range(-36, 37)}  # mrad
+            best = min(by_pitch, key=by_pitch.get)
+            # at the end of what was tried: there is no least one
+            turned = "- | -" if abs(best) == 18 else f"{best:.1f} | {by_pitch[best]:.2f}"
+            print(f"| {name} | {by_pitch[0]:.2f} | {turned} | {slip_text(truth)} / {slip_text(estimate)} |")
 
 
 if __name__ == "__main__":

@@ -104,8 +104,8 @@ void check_times(const Config& config, const SequenceInfo& info) {
   if (config.odometry.scale.starts_with("speed")) throw UsageError("--scale speed" + advice);
 }
 
-// Of the film that is drawn: that of the source where it tells it.
-// To a hundredth, and no more than a film can have: MPEG-4 counts time in at most 65535 parts of a second.
+// Of the film that is drawn: the source's where it is known; to a hundredth, and no more than a film can have, since
+// MPEG-4 counts time in at most 65535 parts of a second.
 double film_rate_hz(const RunSource& source, const Config& config) {
   double rate_hz = 10;
   if (config.source.rate_hz > 0) rate_hz = config.source.rate_hz;
