@@ -58,6 +58,7 @@ struct Played {
     ASSERT_TRUE(eventually([&] { return driver.show(shown); })) << "no buffer is queued";
   }
   void take() {
+    ASSERT_TRUE(eventually([&] { return camera->ready(); })) << "no frame came";
     ASSERT_TRUE(camera->wait());
     ASSERT_TRUE(camera->take(image, frame));
   }
