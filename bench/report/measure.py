@@ -9,7 +9,7 @@ usage: measure.py [--build DIR] [--source SOURCE] [--seconds S] [--rounds N] [--
 --only     handoff, empty, 50us, real, alone, trace, age, beat: measure just these parts, keep what the page says of the others
 --print    print the parts instead of writing them
 
-Run it on a machine that does nothing else: it takes a quarter of an hour. Where others work on it, call it with a higher
+Run it on a machine that does nothing else: it takes three quarters of an hour, and each part is written when it is done. Where others work on it, call it with a higher
 priority (`nice -n -20`, as root), which is what the note under each table says then. Python 3's own library only.
 """
 import argparse
@@ -146,9 +146,8 @@ def main():
     call = parser.parse_args()
     wanted = call.only or PARTS
     pipeline = os.path.join(call.build, "bench", "pipeline", "bench_pipeline")
-    parts, picture = {}, None
     for part in wanted:
-        where = machine()
+        where, picture = machine(), None
         if part == "handoff":
             text = output(os.path.join(call.build, "bench", "handoff", "bench_handoff"))
         elif part == "alone":
@@ -161,19 +160,17 @@ def main():
             text, picture = measure_age(os.path.join(call.build, "tools", "pavo"), call.source, call.age_seconds)
         else:
             text = output(pipeline, call.source if part == "real" else part, str(call.seconds), str(call.rounds))
-        parts[part] = text + "\n\n" + where
-    if call.print:
-        print("\n\n".join(parts.values()))
-        return
-    with open(PAGE, encoding="utf-8") as file:
-        page = file.read()
-    for part, text in parts.items():
-        page = write_part(page, part, text)
-    with open(PAGE, "w", encoding="utf-8") as file:
-        file.write(page)
-    if picture:
-        with open(PICTURE, "w", encoding="utf-8") as file:
-            file.write(picture)
+        text += "\n\n" + where
+        if call.print:
+            print(text + "\n", flush=True)
+            continue
+        with open(PAGE, encoding="utf-8") as file:
+            page = write_part(file.read(), part, text)
+        with open(PAGE, "w", encoding="utf-8") as file:
+            file.write(page)
+        if picture:
+            with open(PICTURE, "w", encoding="utf-8") as file:
+                file.write(picture)
 
 
 if __name__ == "__main__":
