@@ -13,7 +13,7 @@ namespace pavo {
 class ScaleVotes {
  public:
   static constexpr double kStep = 0.11;
-  static constexpr int kBins = 256;  // from e^-14 to e^14 metres per unit
+  static constexpr int kBins = 256, kMiddle = kBins / 2;  // from e^-14 to e^14 metres per unit; 1 in the middle
 
   struct Peak {
     int bin = 0;
@@ -21,9 +21,9 @@ class ScaleVotes {
     double second = 0;  ///< the best of those more than kApart bins away
   };
 
-  static double scale_of(int bin) { return std::exp(kStep * (bin - kBins / 2)); }
+  static double scale_of(int bin) { return std::exp(kStep * (bin - kMiddle)); }
   static int bin_of(double scale) {
-    return std::clamp(static_cast<int>(std::lround(std::log(scale) / kStep)) + kBins / 2, 0, kBins - 1);
+    return std::clamp(static_cast<int>(std::lround(std::log(scale) / kStep)) + kMiddle, 0, kBins - 1);
   }
 
   void clear() { votes_.fill(0); }
