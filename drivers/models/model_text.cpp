@@ -156,9 +156,10 @@ PedestrianModel from_opencv(const std::vector<float>& numbers) {
     for (int by = 0; by < kBlocksY; ++by)
       for (int cell_x = 0; cell_x < 2; ++cell_x)
         for (int cell_y = 0; cell_y < 2; ++cell_y)
-          for (int bin = 0; bin < kBins; ++bin)
-            model.weights[static_cast<std::size_t>((((by * kBlocksX + bx) * 2 + cell_y) * 2 + cell_x) * kBins + bin)] =
-                numbers[from++];
+          for (int bin = 0; bin < kBins; ++bin) {
+            const int to = (((by * kBlocksX + bx) * 2 + cell_y) * 2 + cell_x) * kBins + bin;
+            model.weights[static_cast<std::size_t>(to)] = numbers[from++];
+          }
   if (from < numbers.size()) model.bias = numbers[from];
   model.features = {HogTone::square_root, 100, 0.2f, 0.001f};
   return model;

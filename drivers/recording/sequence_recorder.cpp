@@ -39,7 +39,7 @@ fs::path made_empty(const fs::path& folder) {
 
 /// Where the index and the calibration are, made.
 fs::path made_base(const fs::path& folder, RecordLayout layout) {
-  const fs::path base = layout == RecordLayout::euroc ? made_empty(folder) / "mav0" / "cam0" : made_empty(folder);
+  fs::path base = layout == RecordLayout::euroc ? made_empty(folder) / "mav0" / "cam0" : made_empty(folder);
   make_folder(base / (layout == RecordLayout::euroc ? "data" : "image_0"));
   return base;
 }

@@ -212,7 +212,7 @@ TEST(Watchdog, SaysWhyARunIsShortThatItEndedForAStageThatCameBack) {
 
 // A background stage that hangs at frame 9: when it takes over its inputs, on a worker, or behind the frames.
 std::string hang_in_background(bool when_it_takes) {
-  struct Looped {
+  struct Revised {
     std::int64_t input = 0, estimate = 0;
     Delayed<std::int64_t> correction;
   };
@@ -220,7 +220,7 @@ std::string hang_in_background(bool when_it_takes) {
     void operator()(const std::int64_t& in, const std::int64_t*, std::int64_t& out) { out = in; }
     void missed(const std::int64_t*, std::int64_t&) {}
   };
-  struct Refine {
+  struct Revise {
     struct Work {
       std::int64_t number = 0;
     };
@@ -239,15 +239,15 @@ std::string hang_in_background(bool when_it_takes) {
   ManualClock clock;
   PipelineOptions options = workers(2);
   options.stage_limit_ns = kLimit_ns;
-  Pipeline<Looped> pipeline(options, clock);
+  Pipeline<Revised> pipeline(options, clock);
   Trap trap{9}, none{-1};
   std::atomic<std::size_t> delivered{0};
-  pipeline.source(writes(&Looped::input));
-  pipeline.add("estimate", reads(&Looped::input, delayed<2>(&Looped::correction)), writes(&Looped::estimate), Copy{},
+  pipeline.source(writes(&Revised::input));
+  pipeline.add("estimate", reads(&Revised::input, delayed<2>(&Revised::correction)), writes(&Revised::estimate), Copy{},
                in_order);
-  pipeline.add("refine", reads(&Looped::estimate), writes(&Looped::correction),
-               Refine{when_it_takes ? trap : none, when_it_takes ? none : trap}, background);
-  pipeline.deliver([&](const Looped&, const FrameInfo&, const Outcome&) { ++delivered; });
+  pipeline.add("refine", reads(&Revised::estimate), writes(&Revised::correction),
+               Revise{when_it_takes ? trap : none, when_it_takes ? none : trap}, background);
+  pipeline.deliver([&](const Revised&, const FrameInfo&, const Outcome&) { ++delivered; });
   pipeline.start();
   std::string message;
   std::binary_semaphore told{0};
@@ -257,7 +257,7 @@ std::string hang_in_background(bool when_it_takes) {
     told.release();
   });
   std::jthread pusher([&] {
-    for (std::int64_t k = 0; k < 1000 && pipeline.admit([&](FrameInfo&, Looped& frame) { frame.input = k; }); ++k) {
+    for (std::int64_t k = 0; k < 1000 && pipeline.admit([&](FrameInfo&, Revised& frame) { frame.input = k; }); ++k) {
     }
     EXPECT_THROW(pipeline.finish(), RunError);
   });

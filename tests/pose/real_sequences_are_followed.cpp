@@ -87,7 +87,7 @@ std::vector<PoseResult> follow(Recording& recording, std::shared_ptr<const StepL
   return results;
 }
 
-std::shared_ptr<const StepLength> true_steps(const Recording& recording) {
+std::shared_ptr<const StepLength> steps_of_truth(const Recording& recording) {
   Trajectory trajectory;
   trajectory.T_w_c = recording.truth;
   return std::make_shared<GroundtruthStep>(trajectory);
@@ -107,19 +107,19 @@ void expect_followed(const Recording& recording, const std::vector<PoseResult>& 
 TEST(RealSequences, MotorwayIsNeverLostNorBackwards) {
   PAVO_NEEDS_DATA("sequences/kitti01-51");
   Recording recording = kitti(data_folder() / "sequences/kitti01-51", "image_0", "P0:", 51);
-  expect_followed(recording, follow(recording, true_steps(recording)), 0.02);
+  expect_followed(recording, follow(recording, steps_of_truth(recording)), 0.02);
 }
 
 TEST(RealSequences, ResidentialTurn) {
   PAVO_NEEDS_DATA("sequences/kitti05-300");
   Recording recording = kitti(data_folder() / "sequences/kitti05-300", "image_0", "P0:", 40);
-  expect_followed(recording, follow(recording, true_steps(recording)), 0.02);
+  expect_followed(recording, follow(recording, steps_of_truth(recording)), 0.02);
 }
 
 TEST(RealSequences, ResidentialWithTracks) {
   PAVO_NEEDS_DATA("sequences/kitti05-300");
   Recording recording = kitti(data_folder() / "sequences/kitti05-300", "image_0", "P0:", 15);
-  expect_followed(recording, follow(recording, true_steps(recording), Tracker::klt), 0.02);
+  expect_followed(recording, follow(recording, steps_of_truth(recording), Tracker::klt), 0.02);
 }
 
 void expect_still(const std::vector<PoseResult>& results) {

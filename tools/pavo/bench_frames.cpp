@@ -6,7 +6,7 @@
 namespace pavo {
 namespace {
 
-constexpr std::int64_t kSecond_ns = 1'000'000'000;
+constexpr std::int64_t kOneSecond_ns = 1'000'000'000;
 constexpr double kUnpacedRate_hz = 10;  // of the frames' times, where nobody waits for them
 
 }  // namespace
@@ -33,7 +33,7 @@ void PacedSource::begin() {
 }
 
 std::int64_t PacedSource::arrival_ns(std::int64_t k) const {
-  return start_ns_ + std::llround(static_cast<double>(k) / pace_.rate_hz * kSecond_ns);
+  return start_ns_ + std::llround(static_cast<double>(k) / pace_.rate_hz * kOneSecond_ns);
 }
 
 std::optional<std::int64_t> PacedSource::next_arrival_ns() {
@@ -59,7 +59,7 @@ bool PacedSource::read(FrameInfo& info, Frame& frame) {
   frame.encoded.bytes.assign(image.bytes.begin(), image.bytes.end());
   info.source_index = next_;
   const double rate_hz = pace_.rate_hz > 0 ? pace_.rate_hz : kUnpacedRate_hz;
-  info.t_capture_ns = std::llround(static_cast<double>(next_) / rate_hz * kSecond_ns);
+  info.t_capture_ns = std::llround(static_cast<double>(next_) / rate_hz * kOneSecond_ns);
   ++next_;
   return true;
 }

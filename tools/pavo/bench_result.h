@@ -35,12 +35,12 @@ nlohmann::ordered_json bench_json(const BenchResult& result, const nlohmann::ord
 std::string bench_text(const BenchResult& result);
 
 /// "of 3 runs" figures: the smallest and the largest of what `get` gives.
-struct Spread {
+struct RunSpread {
   double least = 0, most = 0;
 };
 template <class Get>
-Spread spread_of(const std::vector<BenchRun>& runs, const Get& get) {
-  Spread spread{get(runs.front()), get(runs.front())};
+RunSpread spread_of(const std::vector<BenchRun>& runs, const Get& get) {
+  RunSpread spread{get(runs.front()), get(runs.front())};
   for (const BenchRun& run : runs) {
     spread.least = std::min(spread.least, get(run));
     spread.most = std::max(spread.most, get(run));

@@ -12,7 +12,7 @@
 namespace pavo {
 namespace {
 
-constexpr double kSecond = 1e9;
+constexpr double kNsPerSecond = 1e9;
 
 struct Delivered {
   std::int64_t index = 0, t_ns = 0, end_to_end_ns = 0, age_ns = 0;
@@ -44,7 +44,7 @@ Plan plan_of(const BenchLoad& load, bool live) {
     plan.pace.frames = plan.warm_up_frames + std::max<std::int64_t>(2, std::llround(load.seconds * load.rate_hz));
   } else {
     plan.pace.frames = -1;
-    plan.pace.until_ns = std::llround((warm_up_s + load.seconds) * kSecond);
+    plan.pace.until_ns = std::llround((warm_up_s + load.seconds) * kNsPerSecond);
     plan.pace.at_least = plan.warm_up_frames + 2;
   }
   return plan;
@@ -82,7 +82,7 @@ class Measurement {
     BenchRun result;
     result.done = static_cast<std::int64_t>(delivered_.size());
     // From the last frame of the warm-up to the last of all: as many intervals as frames.
-    double seconds = static_cast<double>(delivered_.back().t_ns - warm_ns_) / kSecond;
+    double seconds = static_cast<double>(delivered_.back().t_ns - warm_ns_) / kNsPerSecond;
     if (plan_.pace.rate_hz > 0)  // a late end of the warm-up does not make it more than was offered
       seconds = std::max(seconds, static_cast<double>(plan_.pace.frames - plan_.warm_up_frames) / plan_.pace.rate_hz);
     result.done_fps = static_cast<double>(result.done) / std::max(seconds, 1e-9);
@@ -97,7 +97,7 @@ class Measurement {
   void append_samples(std::vector<BenchSample>& samples) const {
     const std::int64_t start = delivered_.front().t_ns - delivered_.front().age_ns;
     for (const Delivered& d : delivered_)
-      samples.push_back({static_cast<double>(d.t_ns - start) / kSecond, static_cast<double>(d.age_ns) * 1e-6});
+      samples.push_back({static_cast<double>(d.t_ns - start) / kNsPerSecond, static_cast<double>(d.age_ns) * 1e-6});
   }
 
  private:

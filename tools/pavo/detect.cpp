@@ -17,6 +17,7 @@
 #include "drivers/models/model_file.h"
 #include "stages/people/arena_spread.h"
 #include "stages/people/scan_hog.h"
+#include "tools/pavo/csv_field.h"
 #include "tools/pavo/picture_files.h"
 #include "tools/pavo/progress.h"
 #include "tools/pavo/usage_error.h"
@@ -35,14 +36,6 @@ struct DetectCall {
   int border = ScanHogOptions{}.border_cells;
   int workers = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
 };
-
-/// As RFC 4180 has it.
-std::string csv_field(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + "\"";
-}
 
 void print_csv(const fs::path& file, const Detections& people) {
   for (const PersonBox& p : people)

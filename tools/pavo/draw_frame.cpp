@@ -11,7 +11,7 @@ namespace {
 
 // BGR
 const cv::Scalar kKeypoint(170, 170, 170), kInlier(80, 200, 60), kOutlier(50, 50, 170), kDropped(0, 140, 255),
-    kPerson(0, 220, 255), kPath(208, 95, 31), kInk(255, 255, 255), kPaper(32, 32, 32);
+    kPerson(0, 220, 255), kPath(208, 95, 31), kInk(255, 255, 255), kPanel(32, 32, 32);
 
 cv::Point2f at(float x, float y) {
   return {x, y};
@@ -22,7 +22,7 @@ cv::Rect2f rectangle(const PersonBox& box) {
 }
 
 cv::Mat canvas_of(const Image& image) {
-  if (image.empty()) return cv::Mat(370, 1226, CV_8UC3, kPaper);
+  if (image.empty()) return cv::Mat(370, 1226, CV_8UC3, kPanel);
   cv::Mat gray(image.height(), image.width(), CV_8UC1, const_cast<std::uint8_t*>(image.row(0)),
                static_cast<std::size_t>(image.stride()));
   cv::Mat canvas;
@@ -56,7 +56,7 @@ void draw_caption(cv::Mat& canvas, const FrameSnapshot& s) {
   const std::string text = fmt::format("{} {}  {}{}  keypoints {}  on people {}  matches {}  inliers {}", s.index,
                                        s.name, s.failed ? "FAILED, " : "", name_of(p.quality), p.keypoints,
                                        p.dropped_on_people, p.matches, p.inliers);
-  cv::rectangle(canvas, cv::Rect(0, canvas.rows - 20, canvas.cols, 20), kPaper, cv::FILLED);
+  cv::rectangle(canvas, cv::Rect(0, canvas.rows - 20, canvas.cols, 20), kPanel, cv::FILLED);
   cv::putText(canvas, text, {6, canvas.rows - 6}, cv::FONT_HERSHEY_SIMPLEX, 0.45, kInk, 1, cv::LINE_AA);
 }
 

@@ -11,7 +11,7 @@
 namespace pavo {
 namespace {
 
-using json = nlohmann::ordered_json;
+using Json = nlohmann::ordered_json;
 
 constexpr std::array kAlignments{Alignment::none, Alignment::scale, Alignment::se3, Alignment::sim3};
 
@@ -141,38 +141,38 @@ std::string comparison(const EvalReport& report) {
   return text + "  ATE: rmse, aligned by " + alignment_name(report.alignment) + "\n";
 }
 
-json to_json(const Statistics& s) {
+Json to_json(const Statistics& s) {
   return {{"rmse", s.rmse}, {"mean", s.mean}, {"median", s.median}, {"max", s.max}};
 }
 
-json to_json(const std::optional<double>& value) {
-  return value ? json(*value) : json(nullptr);
+Json to_json(const std::optional<double>& value) {
+  return value ? Json(*value) : Json(nullptr);
 }
 
-json to_json(const ParameterRmse& table) {
-  json rows = json::array();
+Json to_json(const ParameterRmse& table) {
+  Json rows = Json::array();
   for (int i = 0; i < 3; ++i) rows.push_back({table(i, 0), table(i, 1), table(i, 2), table(i, 3)});
   return rows;
 }
 
-json to_json(const std::optional<SegmentErrors>& errors) {
+Json to_json(const std::optional<SegmentErrors>& errors) {
   return {{"t_rel_percent", to_json(t_rel(errors))},
           {"r_rel_deg_per_100m", to_json(r_rel(errors))},
           {"segments", errors ? errors->segments : 0}};
 }
 
-json to_json(const SegmentErrorsByLength& segments) {
-  json result = to_json(segments.all);
-  result["lengths"] = json::array();
+Json to_json(const SegmentErrorsByLength& segments) {
+  Json result = to_json(segments.all);
+  result["lengths"] = Json::array();
   for (const auto& length : segments.lengths) {
-    json entry = to_json(length.errors);
+    Json entry = to_json(length.errors);
     entry["length_m"] = length.length_m;
     result["lengths"].push_back(std::move(entry));
   }
   return result;
 }
 
-json to_json(const ScaledErrors& errors) {
+Json to_json(const ScaledErrors& errors) {
   return {{"scale", errors.scale},
           {"pose_rmse", to_json(errors.poses)},
           {"motion_rmse", to_json(errors.motions)},
@@ -181,9 +181,9 @@ json to_json(const ScaledErrors& errors) {
           {"segments", to_json(errors.segments)}};
 }
 
-json to_json(const EvaluatedFile& file) {
+Json to_json(const EvaluatedFile& file) {
   const Evaluation& e = file.evaluation;
-  json ate = json::object();
+  Json ate = Json::object();
   for (const Alignment alignment : kAlignments) {
     const AlignedErrors& a = e.aligned(alignment);
     ate[alignment_key(alignment)] = to_json(a.ate_m);
@@ -197,7 +197,7 @@ json to_json(const EvaluatedFile& file) {
           {"truth_length_m", e.truth_length_m},
           {"ate_m", ate},
           {"raw", to_json(e.raw)},
-          {"scaled", e.scaled ? to_json(*e.scaled) : json(nullptr)}};
+          {"scaled", e.scaled ? to_json(*e.scaled) : Json(nullptr)}};
 }
 
 }  // namespace
@@ -238,7 +238,7 @@ std::string eval_text(const EvalReport& report) {
 }
 
 nlohmann::ordered_json eval_json(const EvalReport& report) {
-  json estimates = json::array();
+  Json estimates = Json::array();
   for (const EvaluatedFile& file : report.estimates) estimates.push_back(to_json(file));
   return {{"groundtruth", {{"file", report.truth_path}, {"poses", report.truth_poses}}},
           {"step", report.step},

@@ -6,20 +6,12 @@
 #include <cstdlib>
 #include <iterator>
 
+#include "tools/pavo/csv_field.h"
+
 namespace pavo {
 namespace {
 
 constexpr std::string_view kReplaced = "replaced by a newer frame";
-
-// A field of a CSV line: quoted where it must be (RFC 4180), and always on one line.
-std::string csv_field(std::string_view text) {
-  std::string out;
-  for (const char c : text) out += c == '\n' || c == '\r' ? ' ' : c;
-  if (out.find_first_of(",\"") == std::string::npos) return out;
-  std::string quoted = "\"";
-  for (const char c : out) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + "\"";
-}
 
 // Exact: a double of seconds since 1970 is off by hundreds of nanoseconds.
 std::string seconds_text(std::int64_t t_ns) {
