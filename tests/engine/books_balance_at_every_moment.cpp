@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <random>
+#include <utility>
 
 #include "tests/engine/numbers.h"
 
@@ -19,9 +20,11 @@ struct Unreliable {
 };
 
 // Random failures, random stage times, random number of workers, stopped at a random moment, watched all the while.
-// Live, frames come by a virtual clock, which goes on while the admission waits for it. Returns what is in the books.
+// Live, frames come by a virtual clock, which goes on while the admission waits for it: by some periods for each frame
+// that comes out, however slowly the machine runs, so that frames are dropped and others are not. Returns what is in
+// the books.
 Counts one_round(std::uint64_t seed, std::int64_t frames, Admission admission) {
-  constexpr std::int64_t kPeriod_ns = 16;
+  constexpr std::int64_t kPeriod_ns = 16, kAhead_ns = 4 * kPeriod_ns;
   std::mt19937_64 random(seed);
   const bool live = admission == Admission::live;
   SteadyClock steady;
@@ -44,13 +47,20 @@ Counts one_round(std::uint64_t seed, std::int64_t frames, Admission admission) {
   const std::uint64_t stop_at = random() % (2 * static_cast<std::uint64_t>(frames));
   std::atomic<std::uint64_t> looks = 0;
   std::jthread watcher([&](std::stop_token done) {
+    std::uint64_t out = 0;
+    std::int64_t ahead_ns = 0;
     while (!done.stop_requested()) {
       const Counts c = pipeline.counts();
       const bool balance = c.in == c.done + c.failed + c.dropped + c.in_flight &&
                            c.in_flight <= static_cast<std::uint64_t>(options.slots);
       EXPECT_TRUE(balance) << c.in << " " << c.done << " " << c.failed << " " << c.dropped << " " << c.in_flight;
       if (c.in >= stop_at || !balance) pipeline.stop();
-      if (live && manual.sleepers() > 0) manual.advance(1 + static_cast<std::int64_t>(looks % 3));
+      if (std::exchange(out, c.done + c.failed) != c.done + c.failed) ahead_ns = 0;
+      if (live && manual.sleepers() > 0 && ahead_ns < kAhead_ns) {
+        const auto step_ns = 1 + static_cast<std::int64_t>(looks % 3);
+        manual.advance(step_ns);
+        ahead_ns += step_ns;
+      }
       ++looks;
     }
   });
