@@ -26,6 +26,7 @@ void for_each_index(int count, int threads, const std::function<void(int)>& f) {
   };
   {
     std::vector<std::jthread> team;
+    team.reserve(static_cast<std::size_t>(std::max(0, helpers)));
     for (int i = 0; i < helpers; ++i) team.emplace_back(work);
     work();
   }

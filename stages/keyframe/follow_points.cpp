@@ -25,7 +25,6 @@ PosePrior KeyframeOdometry::State::expected(const FrameTime& now) const {
 
 // Points whose place is known well enough, by descriptor. Returns how many were found.
 int KeyframeOdometry::State::find_keypoints(const SE3& T, const Features& features, double radius_px) {
-  (void)features;
   constraints.clear();
   keypoint_of.assign(points.size(), {});
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -94,9 +93,8 @@ bool KeyframeOdometry::State::recover(const FrameTime& now, const FrameView& cur
   return true;
 }
 
-bool KeyframeOdometry::State::align_point(TrackedPoint& point, const SE3& T, const Image& image,
-                                          const Eigen::Vector2d& expected_px, double patch_scale, double max_shift_px) {
-  (void)T;
+bool KeyframeOdometry::State::align_point(TrackedPoint& point, const Image& image, const Eigen::Vector2d& expected_px,
+                                          double patch_scale, double max_shift_px) {
   AlignOptions align = options.align;
   align.max_shift_px = static_cast<float>(max_shift_px);
   const Aligned aligned = align_patch(point.patch, static_cast<float>(patch_scale), image.view(),
@@ -133,7 +131,7 @@ void KeyframeOdometry::State::align_along_line(TrackedPoint& point, const SE3& T
   point.ray.rho = farthest + along * (high - farthest);
   const double scale = point.patch_scale(T);
   point.ray = before;
-  if (align_point(point, T, *current.image, {k.x, k.y}, scale, 2.5)) {
+  if (align_point(point, *current.image, {k.x, k.y}, scale, 2.5)) {
     std::copy_n(current.features->descriptor(found.index), Features::kDescriptorSize, point.descriptor.begin());
   }
 }
@@ -163,7 +161,7 @@ void KeyframeOdometry::State::align_points(const SE3& T, const FrameView& curren
                     point.descriptor.begin());
       }
     }
-    align_point(point, T, *current.image, from, point.patch_scale(T), options.align.max_shift_px);
+    align_point(point, *current.image, from, point.patch_scale(T), options.align.max_shift_px);
   }
 }
 

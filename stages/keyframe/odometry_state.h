@@ -58,8 +58,8 @@ struct KeyframeOdometry::State {
                  SE3& T, PoseResult& out);
   bool recover(const FrameTime& now, const FrameView& current, const FrameView& previous, SE3& T, PoseResult& out);
   void align_points(const SE3& T, const FrameView& current, const People& people);
-  bool align_point(TrackedPoint& point, const SE3& T, const Image& image, const Eigen::Vector2d& expected_px,
-                   double patch_scale, double max_shift_px);
+  bool align_point(TrackedPoint& point, const Image& image, const Eigen::Vector2d& expected_px, double patch_scale,
+                   double max_shift_px);
   void align_along_line(TrackedPoint& point, const SE3& T, const FrameView& current);
   bool standing(PoseResult& out);
 
