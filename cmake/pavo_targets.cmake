@@ -41,15 +41,15 @@ if(PAVO_SANITIZE)
   target_link_options(pavo_compile_options INTERFACE -fsanitize=${PAVO_SANITIZE})
 endif()
 
-# The sources of a part are compiled as one, in every build: the inline functions of the same large headers (CLI11, JSON,
-# Eigen) are read and made once, which takes longer than what stands in the sources, and a name that two of them have shows
-# where it is written, not days later in CI. tools/tidy.sh reads each file for itself (test.sh: those of the last commit,
-# with --all every one), and so shows that it includes what it uses. Files that are read once per SIMD target
-# (foreach_target.h) stay alone.
+# Several sources are compiled as one, in every build: they read the same large headers, which takes longer than what stands
+# in them, and most names that two of them have show where they are written, not days later in CI. (Not all: a constant of
+# one source hides that of a header from those behind it, so do not use a header's names for your own.) tools/tidy.sh reads
+# each file for itself (test.sh: those of the last commit, with --all every one), and so shows that it includes what it uses.
+# Files that are read once per SIMD target (foreach_target.h) stay alone.
 if(NOT DEFINED CMAKE_UNITY_BUILD)
   set(CMAKE_UNITY_BUILD ON)
 endif()
-set(CMAKE_UNITY_BUILD_BATCH_SIZE 0)  # all
+set(CMAKE_UNITY_BUILD_BATCH_SIZE 6)
 function(pavo_keep_simd_files_alone)
   foreach(source ${ARGN})
     file(STRINGS ${source} per_target REGEX "hwy/foreach_target.h" LIMIT_COUNT 1)
