@@ -9,8 +9,9 @@ usage: measure.py [--build DIR] [--source SOURCE] [--seconds S] [--rounds N] [--
 --only     handoff, empty, 50us, real, alone, trace, age, beat: measure just these parts, keep what the page says of the others
 --print    print the parts instead of writing them
 
-Run it on a machine that does nothing else: it takes three quarters of an hour, and each part is written when it is done. Where others work on it, call it with a higher
-priority (`nice -n -20`, as root), which is what the note under each table says then. Python 3's own library only.
+Run it on a machine that does nothing else: it takes three quarters of an hour, and each part is written when it is
+done. Where others work on it, call it with a higher priority (`nice -n -20`, as root), which is what the note under each
+table says then. Python 3's own library only.
 """
 import argparse
 import datetime

@@ -28,7 +28,8 @@ Grain::Grain(const Noise& noise) : tile_(kSize * kSize) {
         const float bottom = wrapped(0, -period) * (1 - a) + wrapped(-period, -period) * a;
         sum += 0.6F * (top * (1 - b) + bottom * b);
       }
-      tile_[static_cast<std::size_t>(y * kSize + x)] = sum;
+      const int texel = y * kSize + x;
+      tile_[static_cast<std::size_t>(texel)] = sum;
     }
 }
 
@@ -111,7 +112,7 @@ void Canvas::lettering(float x, float y, float height, int letters, float value,
 Texture Canvas::texture() const {
   std::vector<std::uint8_t> texels(values_.size());
   std::transform(values_.begin(), values_.end(), texels.begin(),
-                 [](float v) { return static_cast<std::uint8_t>(std::clamp(v, 0.0F, 1.0F) * 255.0F + 0.5F); });
+                 [](float v) { return static_cast<std::uint8_t>(std::lround(std::clamp(v, 0.0F, 1.0F) * 255.0F)); });
   return {width_, height_, std::move(texels), repeat_};
 }
 

@@ -23,6 +23,15 @@ class Grain {
   std::vector<float> tile_;
 };
 
+/// f(at) for at = from, from + step, ... below `to`: how rows of equal things are painted.
+template <typename F>
+void every(float step, float from, float to, const F& f) {
+  while (from < to) {
+    f(from);
+    from += step;
+  }
+}
+
 /// Gray values 0 (black) to 1 (white) over [0, width_m] x [0, height_m]; x to the right, y down. Edges of what is
 /// painted are antialiased over one texel. Where `repeat` is set, what leaves at the right comes in at the left.
 class Canvas {

@@ -111,7 +111,7 @@ void balcony(Canvas& canvas, float x, float y, float w) {
   canvas.rectangle(x, y + 0.95F, x + w, y + 1.1F, 0.7F);
   canvas.rectangle(x, y + 1.1F, x + w, y + 1.2F, 0.15F, 0.7F);
   canvas.rectangle(x, y, x + w, y + 0.05F, 0.1F);
-  for (float at = x; at < x + w; at += 0.13F) canvas.line(at, y, at, y + 0.95F, 0.03F, 0.1F);
+  every(0.13F, x, x + w, [&](float at) { canvas.line(at, y, at, y + 0.95F, 0.03F, 0.1F); });
 }
 
 void door(Canvas& canvas, const Noise& noise, float x, float bottom, const Style& s, Random& r) {
@@ -162,7 +162,7 @@ void furnish(Canvas& canvas, Random& r, const Style& s) {
   const float pipe = r.chance(0.5F) ? 0.25F : w - 0.25F;
   canvas.line(pipe - 0.06F, 0.3F, pipe - 0.06F, h, 0.05F, 0.1F, 0.5F);
   canvas.line(pipe, 0.3F, pipe, h, 0.1F, std::clamp(s.tone - 0.2F, 0.15F, 0.8F));
-  for (float y = 1; y < h; y += 1.9F) canvas.rectangle(pipe - 0.08F, y, pipe + 0.08F, y + 0.06F, 0.12F);
+  every(1.9F, 1, h, [&](float y) { canvas.rectangle(pipe - 0.08F, y, pipe + 0.08F, y + 0.06F, 0.12F); });
   for (int i = 0; i < 3; ++i) {  // posters, graffiti
     const float x = r.uniform(0.4F, w - 1.4F), y = h - r.uniform(0.9F, 1.9F);
     if (r.chance(0.4F)) {

@@ -80,10 +80,10 @@ void marks(Canvas& canvas, const Noise& noise, Random& r) {
       return wear > 0.55F ? v : 0.78F + 0.1F * wear;
     });
   };
-  for (float x = 1; x < kPeriod; x += 6.66F) worn(x, kHalfRoad - 0.07F, x + 3, kHalfRoad + 0.07F);
+  every(6.66F, 1, kPeriod, [&](float x) { worn(x, kHalfRoad - 0.07F, x + 3, kHalfRoad + 0.07F); });
   for (const float y : {kHalfRoad - 2.8F, kHalfRoad + 2.8F})
-    for (float x = 0; x < kPeriod; x += 1.25F) worn(x, y - 0.05F, x + 0.7F, y + 0.05F);
-  for (float y = 0.5F; y < 2 * kHalfRoad - 0.6F; y += 1) worn(37, y, 40, y + 0.5F);  // a zebra crossing
+    every(1.25F, 0, kPeriod, [&](float x) { worn(x, y - 0.05F, x + 0.7F, y + 0.05F); });
+  every(1, 0.5F, 2 * kHalfRoad - 0.6F, [&](float y) { worn(37, y, 40, y + 0.5F); });  // a zebra crossing
   for (const float x : {35.6F, 41.2F})
     worn(x, kHalfRoad + (x < 37 ? 0.1F : -2.6F), x + 0.3F, kHalfRoad + (x < 37 ? 2.6F : -0.1F));
   for (int i = 0; i < 3; ++i) {  // an arrow

@@ -137,9 +137,10 @@ void draw_grid(svg::Writer& out, const Axes& axes) {
   const Box& paper = axes.paper;
   std::vector<Polyline> grid;
   for (int axis = 0; axis < 2; ++axis) {
-    const double first = std::ceil(axes.metres.low[axis] / axes.step_m - 1e-9);
-    const double last = std::floor(axes.metres.high[axis] / axes.step_m + 1e-9);
-    for (double k = first; k <= last; ++k) {
+    const auto first = std::lround(std::ceil(axes.metres.low[axis] / axes.step_m - 1e-9));
+    const auto last = std::lround(std::floor(axes.metres.high[axis] / axes.step_m + 1e-9));
+    for (auto line = first; line <= last; ++line) {
+      const auto k = static_cast<double>(line);
       Vector2d at = axes.metres.low;
       at[axis] = k * axes.step_m;
       const Vector2d p = axes.to_paper(at);
@@ -233,7 +234,7 @@ double draw_legend(svg::Writer& out, const TrajectoryPlot& plot, const std::vect
   const auto newline = [&] { pen = {kLeft_px, pen.y() + kLine_px}; };
   const auto reserve = [&](double entry_px) {
     if (pen.x() > kLeft_px && pen.x() + entry_px > width_px - 8) newline();
-    const Vector2d at = pen + Vector2d(0, kLine_px / 2);
+    Vector2d at = pen + Vector2d(0, kLine_px / 2);
     pen.x() += entry_px;
     return at;
   };

@@ -1,6 +1,7 @@
 #include "stages/ground/ground_block.h"
 
 #include <cmath>
+#include <cstdint>
 
 namespace pavo {
 
@@ -27,6 +28,7 @@ namespace {
 
 // What the reference image has at up to kMost places in a row: four pixels each, and how far in between.
 constexpr int kMost = 32;
+static_assert(block_size(0).width <= kMost && block_size(1).width <= kMost && block_size(2).width <= kMost);
 struct Places {
   alignas(32) std::int32_t upper_left[kMost], upper_right[kMost], lower_left[kMost], lower_right[kMost];
   alignas(32) float fu[kMost], fv[kMost];

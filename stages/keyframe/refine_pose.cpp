@@ -55,6 +55,7 @@ RefinedPose refine_pose(std::span<PoseConstraint> constraints, const Camera& cam
                         const SE3& start, const RefinePoseOptions& options) {
   RefinedPose result;
   result.T_w_c = start;
+  // NOLINTNEXTLINE(clang-analyzer-security.FloatLoopCounter): halving is exact
   for (double factor = options.widest; factor >= 1; factor /= 2) {
     const double scale = options.loss_scale * factor;
     Normal at = linearise(constraints, camera, prior, result.T_w_c, scale);

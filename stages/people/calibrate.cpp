@@ -37,6 +37,7 @@ bool improve(const std::vector<Case>& cases, Sigmoid& s, double& value) {
   if (!(det > 0)) return false;
   const double da = -(hbb * ga - hab * gb) / det, db = -(haa * gb - hab * ga) / det;
   const double descent = ga * da + gb * db;
+  // NOLINTNEXTLINE(clang-analyzer-security.FloatLoopCounter): halving is exact
   for (double step = 1; step > 1e-10; step /= 2) {
     const Sigmoid next{s.slope + step * da, s.offset + step * db};
     const double v = loss(cases, next);
