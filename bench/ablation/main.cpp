@@ -5,6 +5,7 @@
 // Prints the path's errors, and the CPU time of the odometry (p50/p99) and of the map for a keyframe (p50), in
 // cv::FAST(image, 20, true) on the same images, one thread ("F").
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <deque>
@@ -13,6 +14,8 @@
 #include <map>
 #include <opencv2/core/utility.hpp>
 #include <opencv2/features2d.hpp>
+#include <opencv2/imgproc.hpp>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -65,15 +68,39 @@ double percentile(std::vector<double> v, double share) {
   return v[static_cast<std::size_t>(share * static_cast<double>(v.size() - 1))];
 }
 
+cv::Mat as_mat(const Image& image) {
+  return {image.height(), image.width(), CV_8UC1, const_cast<std::uint8_t*>(image.row(0)),
+          static_cast<std::size_t>(image.stride())};
+}
+
 /// The unit of our times: OpenCV's FAST on the same image.
 double opencv_fast_ms(const Image& image) {
-  const cv::Mat view(image.height(), image.width(), CV_8UC1, const_cast<std::uint8_t*>(image.row(0)),
-                     static_cast<std::size_t>(image.stride()));
   std::vector<cv::KeyPoint> corners;
   const double start = thread_cpu_ms();
-  cv::FAST(view, corners, 20, true);
+  cv::FAST(as_mat(image), corners, 20, true);
   return thread_cpu_ms() - start;
 }
+
+/// What drives ahead at the same speed keeps its place in the picture, but for a little swaying: here the sequence's
+/// own first picture, made `width` pixels wide, which has as many corners as a whole street.
+class CarAhead {
+ public:
+  CarAhead(const Image& first, const Camera& camera, int width) : camera_(camera) {
+    if (width > 0) cv::resize(as_mat(first), car_, {width, width * 4 / 5}, 0, 0, cv::INTER_AREA);
+  }
+  void drive_before(Image& image, std::size_t frame) const {
+    if (car_.empty()) return;
+    const auto t = static_cast<double>(frame);
+    const cv::Rect place(static_cast<int>(camera_.cx - car_.cols / 2.0 + 6 * std::sin(t / 11)),
+                         static_cast<int>(camera_.cy - car_.rows / 3.0 + 2 * std::sin(t / 3)), car_.cols, car_.rows);
+    const cv::Rect seen = place & cv::Rect(0, 0, image.width(), image.height());
+    car_(seen - place.tl()).copyTo(as_mat(image)(seen));
+  }
+
+ private:
+  const Camera& camera_;
+  cv::Mat car_;
+};
 
 struct Slot {
   Image image;
@@ -93,7 +120,8 @@ void run(const std::string& name, Sequence& sequence, const std::filesystem::pat
   options.keyframe_share = get(s, "keyframe_share", options.keyframe_share);
   options.new_patch_ratio = get(s, "patch_ratio", options.new_patch_ratio);
   options.search_px = get(s, "search", options.search_px);
-  options.spacing_px = static_cast<int>(get(s, "spacing", options.spacing_px));
+  options.least_spacing_px = static_cast<int>(get(s, "spacing", options.least_spacing_px));
+  options.max_coarse = static_cast<int>(get(s, "coarse", options.max_coarse));
   options.mature_px = get(s, "mature", options.mature_px);
   options.align.min_correlation = static_cast<float>(get(s, "ncc", options.align.min_correlation));
   MetricMapOptions metric;
@@ -122,6 +150,8 @@ void run(const std::string& name, Sequence& sequence, const std::filesystem::pat
     metric.ground->filter.repetition = get(s, "grep", metric.ground->filter.repetition);
     metric.ground->filter.height_sigma = get(s, "gh", metric.ground->filter.height_sigma);
     metric.ground->filter.slope_sigma = get(s, "gs", metric.ground->filter.slope_sigma);
+    metric.ground->filter.travel_sigma = get(s, "gtravel", metric.ground->filter.travel_sigma);
+    metric.ground->filter.lever = get(s, "glever", metric.ground->filter.lever);
     scale = std::make_shared<UnknownStep>();
   }
   MetricMap map(camera, metric);
@@ -149,6 +179,7 @@ void run(const std::string& name, Sequence& sequence, const std::filesystem::pat
                     blanks = static_cast<std::size_t>(get(s, "blanks", 5));
   const std::size_t miss = static_cast<std::size_t>(get(s, "miss", 1e9)),
                     misses = static_cast<std::size_t>(get(s, "misses", 5));
+  std::optional<CarAhead> car;
   Trajectory truth;
   std::vector<std::size_t> source_index;
   for (; k < most && sequence.read(encoded, stamp); ++k) {
@@ -157,6 +188,8 @@ void run(const std::string& name, Sequence& sequence, const std::filesystem::pat
     Slot& now = slots[k % 2];
     const Slot& before = slots[(k + 1) % 2];
     decode(encoded, now.image, decode_scratch);
+    if (k == 0) car.emplace(now.image, camera, static_cast<int>(get(s, "car", 0)));
+    car->drive_before(now.image, k);
     if (k >= blank && k < blank + blanks)
       for (int y = 0; y < now.image.height(); ++y) std::fill_n(now.image.row(y), now.image.width(), std::uint8_t{128});
     extract(now.image, now.features, scratch);

@@ -13,6 +13,12 @@ int top_row(const Camera& camera, const GroundScaleOptions& options) {
   return static_cast<int>(camera.cy + camera.fy * slope) - 16;
 }
 
+// Of travel, in the camera's frame half way.
+Eigen::Vector3d direction_of(const SE3& T_ref_cur) {
+  const Eigen::Vector3d way = T_ref_cur.t.normalized();
+  return (way + T_ref_cur.R.transpose() * way).normalized();
+}
+
 // Where so many looks in a row do not fit, what is believed may be wrong.
 constexpr int kDoubtful = 8;
 
@@ -95,6 +101,12 @@ GroundMeasurement GroundScale::best_of_starts(const Remembered& current, const R
   return best;
 }
 
+// A direction is as good as the way is long.
+bool GroundScale::far_enough(const SE3& T_ref_cur) const {
+  constexpr double kLeast = 0.25;  // in heights of the camera
+  return !filter_.known() || T_ref_cur.t.norm() * filter_.metres_per_unit() >= kLeast * filter_.height_m();
+}
+
 // The less is known, the more of the ground has to agree.
 bool GroundScale::trusted(const GroundMeasurement& m) const {
   constexpr double kSure = 0.08;
@@ -107,6 +119,7 @@ GroundLook GroundScale::look(const Remembered& current, const Remembered& refere
   GroundLook look;
   look.reference_frame = reference.frame;
   const bool start = !filter_.known() || unused_ > kDoubtful;
+  if (far_enough(T_ref_cur)) filter_.travelled(direction_of(T_ref_cur));
   if (start) votes_.fade(0.9);
   const bool found = start && vote(current, reference, T_ref_cur, people);
   if (!filter_.known()) {

@@ -82,6 +82,7 @@ class GroundScale {
   const Remembered* find(std::int64_t frame) const;
   void vote_with_others(const Remembered& current, const People& people);
   bool vote(const Remembered& current, const Remembered& reference, const SE3& T_ref_cur, const People& people);
+  bool far_enough(const SE3& T_ref_cur) const;
   bool trusted(const GroundMeasurement& m) const;
   GroundMeasurement best_of_starts(const Remembered& current, const Remembered& reference, const SE3& T_ref_cur,
                                    const People& people);

@@ -95,6 +95,19 @@ bool ScaleFilter::update(const GroundMeasurement& look) {
   return true;
 }
 
+bool ScaleFilter::travelled(const Eigen::Vector3d& direction) {
+  Eigen::Vector3d h = Eigen::Vector3d::Zero();
+  h.tail<2>() = down_derivative(attitude()).transpose() * direction;
+  const double innovation = -down_of(attitude()).dot(direction);
+  const double R = squared(options_.travel_sigma), known = h.dot(P_ * h);
+  if (squared(innovation) > options_.gate * (known + R)) return false;
+  const Eigen::Vector3d gain = P_ * h / (known + options_.repetition * R);
+  x_ += gain * innovation;
+  const Eigen::Matrix3d rest = Eigen::Matrix3d::Identity() - gain * h.transpose();
+  P_ = rest * P_ * rest.transpose() + options_.repetition * R * gain * gain.transpose();
+  return true;
+}
+
 bool ScaleFilter::update(double metres_per_unit, double sigma) {
   if (!(metres_per_unit > 0) || !(sigma > 0)) return false;
   const double innovation = std::log(metres_per_unit) - x_(0);

@@ -23,14 +23,16 @@ PosePrior KeyframeOdometry::State::expected(const FrameTime& now) const {
   return prior;
 }
 
-// Points whose place is known well enough, by descriptor. Returns how many were found.
-int KeyframeOdometry::State::find_keypoints(const SE3& T, const Features& features, double radius_px) {
+// Points whose place is known well enough, by descriptor: every so manieth of them. Returns how many were found.
+int KeyframeOdometry::State::find_keypoints(const SE3& T, const Features& features, double radius_px, int every,
+                                            int first) {
   constraints.clear();
   keypoint_of.assign(points.size(), {});
+  int turn = first;
   for (std::size_t i = 0; i < points.size(); ++i) {
     TrackedPoint& point = points[i];
     point.now = TrackedPoint::Now::hidden;
-    if (point.id == 0) continue;
+    if (point.id == 0 || ++turn % every != 0) continue;
     const Eigen::Vector3d by_rho = T.R.transpose() * (point.ray.origin - T.t);
     const Eigen::Vector3d p = T.R.transpose() * point.ray.direction + point.ray.rho * by_rho;
     if (p.z() < 1e-2) continue;
@@ -43,12 +45,7 @@ int KeyframeOdometry::State::find_keypoints(const SE3& T, const Features& featur
     const Keypoint& k = features.keypoints[found.index];
     constraints.push_back({.ray = point.ray, .pixel = {k.x, k.y}, .sigma_px = options.coarse_sigma_px});
   }
-  // Evenly thinned: for a coarse pose a part of them does.
-  const std::size_t every = constraints.size() / static_cast<std::size_t>(options.max_coarse) + 1;
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < constraints.size(); i += every) constraints[kept++] = constraints[i];
-  constraints.resize(kept);
-  return static_cast<int>(kept);
+  return static_cast<int>(constraints.size());
 }
 
 // Where the camera must be for the points to be where keypoints look like them: near where it is expected, else where
@@ -58,14 +55,18 @@ bool KeyframeOdometry::State::find_pose(const FrameTime& now, const FrameView& c
   const auto agree = [&](int found, const RefinedPose& pose) {
     return pose.inliers >= options.min_tracked && pose.inliers > options.min_agreement * found;
   };
-  int found = find_keypoints(prior.T_w_c, *current.features, options.search_px);
+  // For a coarse pose a part of the points does; the other part's turn is in the next frame.
+  const auto alive = std::ranges::count_if(points, [](const TrackedPoint& point) { return point.id != 0; });
+  const int every = static_cast<int>(alive) / options.max_coarse + 1;
+  int found =
+      find_keypoints(prior.T_w_c, *current.features, options.search_px, every, static_cast<int>(now.index % every));
   const RefinedPose near =
       refine_pose(constraints, camera, prior, prior.T_w_c, {.loss_scale = 3, .widest = 8, .iterations = 4});
   T = near.T_w_c;
   if (agree(found, near)) return true;
   if (recover(now, current, previous, T, out)) return true;
   const PosePrior nothing{.T_w_c = prior.T_w_c, .information = 1e-2 * prior.information};
-  found = find_keypoints(prior.T_w_c, *current.features, 2.0 * camera.width);
+  found = find_keypoints(prior.T_w_c, *current.features, 2.0 * camera.width, 1, 0);
   const RefinedPose anywhere =
       refine_pose(constraints, camera, nothing, prior.T_w_c, {.loss_scale = 3, .widest = 128, .iterations = 5});
   T = anywhere.T_w_c;

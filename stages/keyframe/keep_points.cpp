@@ -118,23 +118,18 @@ void KeyframeOdometry::State::make_keyframe(const FrameTime& now, const FrameVie
 // The strongest keypoints of the places where no point is followed yet.
 void KeyframeOdometry::State::add_points(const FrameView& current, const SE3& T, KeyframeRecord& record,
                                          const PoseResult& out) {
-  const int cell = options.spacing_px, columns = camera.width / cell + 1, rows = camera.height / cell + 1;
-  occupied.assign(static_cast<std::size_t>(columns * rows), 0);
+  grid.clear();
   int alive = 0;
   for (const TrackedPoint& point : points) {
     if (point.id == 0 || point.now != TrackedPoint::Now::fits) continue;
     ++alive;
-    const int x = static_cast<int>(point.px.x()) / cell, y = static_cast<int>(point.px.y()) / cell;
-    if (x >= 0 && y >= 0 && x < columns && y < rows) occupied[y * columns + x] = 1;
+    grid.take(point.px.x(), point.px.y());
   }
   const Features& features = *current.features;
   candidates.clear();
   for (std::size_t i = 0; i < features.size(); ++i) {
-    if (!out.kept[i]) continue;
     const Keypoint& k = features.keypoints[i];
-    std::uint8_t& place = occupied[static_cast<int>(k.y) / cell * columns + static_cast<int>(k.x) / cell];
-    if (place == 1) continue;
-    candidates.push_back(static_cast<int>(i));
+    if (out.kept[i] && !grid.is_taken(k.x, k.y)) candidates.push_back(static_cast<int>(i));
   }
   std::sort(candidates.begin(), candidates.end(), [&](int a, int b) {
     const float x = features.keypoints[a].response, y = features.keypoints[b].response;
@@ -143,12 +138,11 @@ void KeyframeOdometry::State::add_points(const FrameView& current, const SE3& T,
   for (const int i : candidates) {
     if (alive >= options.max_points) break;
     const Keypoint& k = features.keypoints[i];
-    std::uint8_t& place = occupied[static_cast<int>(k.y) / cell * columns + static_cast<int>(k.x) / cell];
-    if (place) continue;
+    if (grid.is_taken(k.x, k.y)) continue;
     TrackedPoint* point = free_point();
     if (!point) break;
     if (!take_patch(current.image->view(), k.x, k.y, point->patch)) continue;
-    place = 1;
+    grid.take(k.x, k.y);
     ++alive;
     const Eigen::Vector3d ray = ray_of(camera, k.x, k.y);
     point->id = next_id++;

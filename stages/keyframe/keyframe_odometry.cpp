@@ -52,16 +52,17 @@ void KeyframeOdometry::State::take_over(const MapUpdate& update) {
     p.patch_position = moved(p.patch_position);
     p.patch_axis = R * p.patch_axis;
   }
-  // Both are in the order in which the points were made; places are taken again, so look them up by id.
+  by_id.clear();
+  for (TrackedPoint& p : points)
+    if (p.id != 0) by_id.emplace_back(p.id, &p);
+  std::ranges::sort(by_id);
   for (const MapUpdate::Point& known : update.points) {
-    for (TrackedPoint& p : points) {
-      if (p.id != known.point) continue;
-      if (known.good)
-        p.ray = known.ray;
-      else
-        p.id = 0;
-      break;
-    }
+    const auto place = std::ranges::lower_bound(by_id, known.point, {}, [](const auto& entry) { return entry.first; });
+    if (place == by_id.end() || place->first != known.point) continue;
+    if (known.good)
+      place->second->ray = known.ray;
+    else
+      place->second->id = 0;
   }
   keyframes.erase(keyframes.begin(), it);
 }
@@ -98,7 +99,7 @@ bool KeyframeOdometry::State::follow(const FrameTime& now, const FrameView& curr
   if (standing(out)) {
     report(out);
     motion_model.observe(SE3{}, last_time, now);
-    standing_now = true;
+    stood = true;
     return true;
   }
   PosePrior about = prior;
@@ -109,7 +110,7 @@ bool KeyframeOdometry::State::follow(const FrameTime& now, const FrameView& curr
     report(out);
     return false;
   }
-  standing_now = false;
+  stood = false;
   tell_uncertainty(fine);
   out.T_w_c = fine.T_w_c;
   out.quality = Quality::tracked;
@@ -187,7 +188,8 @@ void KeyframeOdometry::operator()(const FrameTime& now, const FrameView& current
   }
   if (!estimated) {
     s.coast(now, out);
-    if (usable && s.started && s.lost + 1 >= s.options.lost_after) {
+    const int patience = s.stood ? s.options.lost_after_standing : s.options.lost_after;
+    if (usable && s.started && s.lost + 1 >= patience) {
       s.has_map = s.stays = false;
       s.set_reference(now, current, out, record);
       s.lost = -1;

@@ -28,8 +28,8 @@ struct KeyframeOdometryOptions {
   RelativeMotionOptions motion{.planes = true};  ///< of the start, and where points are not found as expected
   AlignOptions align;
 
-  int max_points = 500;           ///< that are followed
-  int spacing_px = 12;            ///< between a new point and the others
+  int max_points = 500;           ///< that are followed, spread over the picture
+  int least_spacing_px = 12;      ///< of the cells for one point each, in pictures that are small for so many
   double search_px = 40;          ///< how far from where it is expected a point is looked for
   float max_distance2 = 0.25f;    ///< of descriptors, squared
   int max_coarse = 200;           ///< points that the pose is looked for with, before all are aligned
@@ -38,11 +38,12 @@ struct KeyframeOdometryOptions {
   double mature_px = 3;           ///< uncertainty of the predicted pixel up to which a point is looked for there alone
   double new_patch_ratio = 1.25;  ///< change of size from which on the patch is taken anew
   int max_misses = 4;
-  int min_tracked = 20;         ///< fewer points than this are no pose
-  double min_agreement = 0.4;   ///< share of the points that a pose has to explain
-  int lost_after = 5;           ///< frames without a pose until the map is begun anew
-  double keyframe_px = 25;      ///< median motion since the last keyframe that makes one
-  double keyframe_share = 0.6;  ///< or fewer points than this share of the last keyframe's are left
+  int min_tracked = 20;          ///< fewer points than this are no pose
+  double min_agreement = 0.4;    ///< share of the points that a pose has to explain
+  int lost_after = 5;            ///< frames without a pose until the map is begun anew
+  int lost_after_standing = 50;  ///< the same where the camera stood: a lorry that passes is not a new world
+  double keyframe_px = 25;       ///< median motion since the last keyframe that makes one
+  double keyframe_share = 0.6;   ///< or fewer points than this share of the last keyframe's are left
   double start_parallax_px = 1.5;
   double drift_factor = 4;  ///< of what a generation of points adds to the pose's covariance
   SystematicErrors systematic;

@@ -10,6 +10,7 @@
 
 #include "stages/keyframe/keyframe_odometry.h"
 #include "stages/keyframe/keypoint_search.h"
+#include "stages/keyframe/point_grid.h"
 #include "stages/keyframe/pose_uncertainty.h"
 #include "stages/keyframe/refine_pose.h"
 #include "stages/keyframe/tracked_point.h"
@@ -33,8 +34,15 @@ struct KeyframeOdometry::State {
         match_nearest({.ratio = how.match_ratio}),
         relative_motion(rectified, how.motion),
         uncertainty(how.systematic, rectified.fx),
-        points(static_cast<std::size_t>(how.max_points) * 2) {
+        points(static_cast<std::size_t>(how.max_points) * 2),
+        grid(rectified.width, rectified.height, how.max_points, how.least_spacing_px) {
     if (!step_length) throw std::invalid_argument("odometry: no step length given");
+    for (auto* of_points : {&constrained, &candidates}) of_points->reserve(points.size());
+    constraints.reserve(points.size());
+    by_id.reserve(points.size());
+    pairs.reserve(points.size());
+    scratch.reserve(points.size());
+    at_rest.reserve(points.size());
   }
 
   // What happens in a frame, in order.
@@ -49,11 +57,12 @@ struct KeyframeOdometry::State {
   // The start of a map.
   void set_reference(const FrameTime& now, const FrameView& current, const PoseResult& out, KeyframeRecord& record);
   bool start(const FrameTime& now, const FrameView& current, PoseResult& out, KeyframeRecord& record);
+  void thin_matches(const Features& now);
   void make_first_points(const FrameView& current, const SE3& T_w_c, PoseResult& out, KeyframeRecord& record);
 
   // Following points.
   PosePrior expected(const FrameTime& now) const;
-  int find_keypoints(const SE3& T, const Features& features, double radius_px);
+  int find_keypoints(const SE3& T, const Features& features, double radius_px, int every, int first);
   bool find_pose(const FrameTime& now, const FrameView& current, const FrameView& previous, const PosePrior& prior,
                  SE3& T, PoseResult& out);
   bool recover(const FrameTime& now, const FrameView& current, const FrameView& previous, SE3& T, PoseResult& out);
@@ -89,15 +98,14 @@ struct KeyframeOdometry::State {
   MotionModel motion_model;
   KeypointSearch search;
 
-  bool started = false, has_reference = false, has_map = false, has_scale = false, scale_known = false,
-       standing_now = false;
+  bool started = false, has_reference = false, has_map = false, has_scale = false, scale_known = false;
+  bool stood = false;  // in the last frame with a pose
   FrameTime last_time;
   SE3 last_T;          // in the map as it is now
   SE3 published_T;     // as it was published
   bool stays = false;  // this frame is where the last one is: last_T goes on being the map's
   double unit = 1;     // of the map as it was taken over last
   std::vector<std::uint8_t> last_kept;
-  FrameTime still_time;
   int lost = 0;
   PoseUncertainty uncertainty;
   double noise_ratio = 0;  ///< of the points' residuals to what options.sigma_px says, squared; 0: not known yet
@@ -111,6 +119,7 @@ struct KeyframeOdometry::State {
   int reference_matches = 0;
 
   std::vector<TrackedPoint> points;
+  PointGrid grid;
   PointId next_id = 1;
   std::vector<Keyframe> keyframes;  // whose updates may still come
   double median_rho = 0.05, high_rho = 0.3;
@@ -121,9 +130,9 @@ struct KeyframeOdometry::State {
   std::vector<PoseConstraint> constraints;
   std::vector<int> constrained;
   std::vector<FoundKeypoint> keypoint_of;
+  std::vector<std::pair<PointId, TrackedPoint*>> by_id;
   std::vector<float> scratch;
   PointPairs pairs;
-  std::vector<std::uint8_t> occupied;
   std::vector<int> candidates;
   int tracked_at_keyframe = 0;
 };

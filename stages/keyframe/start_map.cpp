@@ -41,11 +41,21 @@ void KeyframeOdometry::State::set_reference(const FrameTime& now, const FrameVie
   keyframes.push_back({now, out.T_w_c});
 }
 
+// Of each cell of the picture the match whose descriptors are most alike.
+void KeyframeOdometry::State::thin_matches(const Features& now) {
+  grid.clear();
+  std::erase_if(matches, [&](const Match& match) {
+    const Keypoint& k = now.keypoints[static_cast<std::size_t>(match.current)];
+    return !grid.take(k.x, k.y);
+  });
+}
+
 // Frame to frame against the reference, until the points have depths.
 bool KeyframeOdometry::State::start(const FrameTime& now, const FrameView& current, PoseResult& out,
                                     KeyframeRecord& record) {
   out.reference_frame = reference_time.index;
   match_nearest(reference_features, *current.features, reference_kept, out.kept, matches, nearest_scratch);
+  thin_matches(*current.features);
   pairs_of(matches, reference_features, *current.features, out.pairs);
   refined.resize(out.pairs.size());
   refine_subpixel(reference_image.view(), current.image->view(), out.pairs, refined);

@@ -9,6 +9,9 @@
 namespace pavo {
 namespace {
 
+constexpr std::size_t kUsual =
+    64;  // windows of one size that answer, before suppression; for more, memory is asked for
+
 const PedestrianModel& checked(const PedestrianModel& model) {
   const auto refuse = [](const char* what) { throw std::invalid_argument(std::string("scan: the model's ") + what); };
   if (model.weights.size() != PedestrianModel::kWeights) refuse("weights are not 3780");
@@ -56,6 +59,7 @@ void ScanPeopleHog::operator()(const Image& image, const std::optional<StandingP
   const auto turns = static_cast<int>(levels.size());
   spread_or_not(options_.spread, turns, turn);
 
+  detections.reserve(4 * kUsual);
   for (std::size_t k = 0; k < levels.size(); ++k)
     detections.insert(detections.end(), scratch.found[k].begin(), scratch.found[k].end());
   suppress_non_maxima(detections, options_.largest_share);
@@ -68,6 +72,7 @@ void ScanPeopleHog::prepare(const Image& image, Scratch& scratch) const {
   if (scratch.chunks.size() == hands && scratch.width == image.width() && scratch.height == image.height()) return;
   scratch.chunks.resize(hands);
   scratch.found.resize(levels.size());
+  for (Detections& found : scratch.found) found.reserve(kUsual);
   for (Scratch::Chunk& chunk : scratch.chunks) {
     chunk.rows.start(scratch.pyramid, levels[0], model_.features);
     chunk.scores.start(weights_, levels[0].windows_x(), levels[0].windows_y());

@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <cstddef>
 
 namespace pavo {
@@ -23,16 +24,40 @@ Flow flow_of(const PointPair& pair, const Camera& camera) {
   return flow;
 }
 
-// Marks the pairs whose motion differs from the rotation's by less than limit_px; how many there are.
-std::size_t mark_near(std::span<const PointPair> pairs, const Camera& camera, const Eigen::Vector3d& rotation,
-                      double limit_px, std::span<std::uint8_t> near) {
-  std::size_t count = 0;
+// How much of the picture each pair stands for: its share of the pairs in its cell.
+class Coverage {
+ public:
+  Coverage(std::span<const PointPair> pairs, const Camera& camera) : camera_(camera) {
+    for (const PointPair& pair : pairs) occupied_ += ++pairs_in_[cell_of(pair)] == 1;
+  }
+  double of(const PointPair& pair) const { return 1.0 / (pairs_in_[cell_of(pair)] * occupied_); }
+
+ private:
+  static constexpr int kColumns = 16, kRows = 8;
+  std::size_t cell_of(const PointPair& pair) const {
+    const auto place = [](float at, int size, int cells) {
+      return std::clamp(static_cast<int>(at * static_cast<float>(cells) / static_cast<float>(size)), 0, cells - 1);
+    };
+    const int row = place(pair.y_current, camera_.height, kRows),
+              column = place(pair.x_current, camera_.width, kColumns);
+    return static_cast<std::size_t>(row * kColumns + column);
+  }
+
+  const Camera& camera_;
+  std::array<int, static_cast<std::size_t>(kColumns* kRows)> pairs_in_{};
+  double occupied_ = 0;
+};
+
+// Marks the pairs whose motion differs from the rotation's by less than limit_px; the share of the picture they are.
+double mark_near(std::span<const PointPair> pairs, const Coverage& coverage, const Camera& camera,
+                 const Eigen::Vector3d& rotation, double limit_px, std::span<std::uint8_t> near) {
+  double share = 0;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const Flow flow = flow_of(pairs[i], camera);
     near[i] = (flow.motion - flow.by_rotation * rotation).squaredNorm() < limit_px * limit_px;
-    count += near[i];
+    if (near[i]) share += coverage.of(pairs[i]);
   }
-  return count;
+  return share;
 }
 
 }  // namespace
@@ -61,9 +86,9 @@ bool stands_still(std::span<const PointPair> pairs, const Camera& camera, const 
                   std::vector<std::uint8_t>& at_rest) {
   at_rest.assign(pairs.size(), 0);
   if (pairs.size() < static_cast<std::size_t>(std::max(options.min_matches, 1))) return false;
-  const double needed = options.min_share * static_cast<double>(pairs.size());
+  const Coverage coverage(pairs, camera);
   const auto near = [&](const Eigen::Vector3d& rotation, double limit_px) {
-    return static_cast<double>(mark_near(pairs, camera, rotation, limit_px, at_rest)) >= needed;
+    return mark_near(pairs, coverage, camera, rotation, limit_px, at_rest) >= options.min_share;
   };
   if (near(Eigen::Vector3d::Zero(), options.max_motion_px) &&
       (near(Eigen::Vector3d::Zero(), options.max_residual_px) ||

@@ -2,6 +2,7 @@
 // drive.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <opencv2/imgproc.hpp>
 
 #include "drivers/synthetic/synthetic_street.h"
@@ -134,6 +135,50 @@ TEST(KeyframeOdometry, CoastsWhereNothingIsSeenAndGoesOnInTheSameMap) {
     const PoseResult& pose = drive.see(k);
     EXPECT_EQ(pose.quality, Quality::tracked) << k;
     EXPECT_LT((pose.T_w_c.t - film().truth[k].t).norm(), 0.03 * travelled(k)) << k;
+  }
+}
+
+// It covers all that is known for longer than a drive would be waited for; the camera goes nowhere meanwhile.
+TEST(KeyframeOdometry, DoesNotTakeALorryThatPassesForANewWorld) {
+  Sight drive;
+  for (std::size_t k = 0; k < 15; ++k) drive.see(k);
+  SE3 here;
+  for (int k = 0; k < 4; ++k) here = drive.see(14).T_w_c;
+  const Image tarpaulin = copy_of(film().images[40]);  // something else, with texture
+  const int width = tarpaulin.width();
+  for (int shift = 0; shift < 3 * width / 4; shift += width / 20) {
+    Image lorry = copy_of(tarpaulin);
+    as_mat(tarpaulin).colRange(0, width - shift).copyTo(as_mat(lorry).colRange(shift, width));
+    const PoseResult& pose = drive.see(lorry, film().truth[14].t);
+    EXPECT_NE(pose.quality, Quality::relocalising) << shift;
+    EXPECT_EQ(pose.T_w_c.t, here.t) << shift;
+  }
+  for (int k = 0; k < 3; ++k) {
+    const PoseResult& pose = drive.see(14);
+    EXPECT_EQ(pose.quality, Quality::standing) << k;
+    EXPECT_EQ(pose.T_w_c.t, here.t) << k;
+  }
+  for (std::size_t k = 15; k < 25; ++k) {
+    const PoseResult& pose = drive.see(k);
+    EXPECT_EQ(pose.quality, Quality::tracked) << k;
+    EXPECT_LT((pose.T_w_c.t - film().truth[k].t).norm(), 0.03 * travelled(k)) << k;
+  }
+}
+
+// It keeps its place in the picture and has more corners than all the rest: neither does the camera stand, nor is the
+// car far away and everything else turning.
+TEST(KeyframeOdometry, IsNotHeldUpByACarAhead) {
+  Sight drive;
+  const cv::Mat rich = as_mat(film().images[0]);
+  cv::Mat car;
+  cv::resize(rich, car, {70, 50}, 0, 0, cv::INTER_AREA);
+  for (std::size_t k = 0; k < 45; ++k) {
+    const Image image = copy_of(film().images[k]);
+    const int left = static_cast<int>(std::lround(165 + 2 * std::sin(static_cast<double>(k) / 11)));
+    car.copyTo(as_mat(image)(cv::Rect(left, 50, car.cols, car.rows)));
+    const PoseResult& pose = drive.see(image, film().truth[k].t);
+    EXPECT_NE(pose.quality, Quality::standing) << k;
+    EXPECT_LT((pose.T_w_c.t - film().truth[k].t).norm(), 0.03 * travelled(k) + 0.02) << k;
   }
 }
 

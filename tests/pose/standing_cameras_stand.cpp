@@ -32,6 +32,17 @@ TEST(Standstill, SlowMotionIsMotion) {
   EXPECT_FALSE(stands(moved({0.0005, 0.001, 0}, {0, 0, -0.1}, 0.05)));
 }
 
+// A car ahead, at the same speed, with as many corners as the whole street.
+TEST(Standstill, CountsThePictureAndNotTheCorners) {
+  PointPairs pairs = moved({0, 0, 0}, {0, 0, -0.8}, 0.05);
+  const std::size_t street = pairs.size();
+  for (std::size_t i = 0; i < 3 * street / 2; ++i) {
+    const auto x = 560 + static_cast<float>(i % 40) * 2, y = 170 + static_cast<float>(i / 40) * 4;
+    pairs.push_back({x, y, x, y});
+  }
+  EXPECT_FALSE(stands(pairs));
+}
+
 TEST(Standstill, TurningIsMotion) {
   EXPECT_FALSE(stands(moved({0, 0.01, 0}, {0, 0, 0}, 0.05)));
 }
