@@ -18,10 +18,10 @@ struct ScaleFilterOptions {
   double height_m = 0;           ///< of the camera above the ground; has to be positive
   GroundAttitude attitude;       ///< how it is mounted, as far as known
   double attitude_sigma = 0.03;  ///< of that, radians
-  double attitude_walk = 1e-3;   ///< of the mounting, radians a look
+  double attitude_walk = 4e-4;   ///< of the mounting, radians a look
   double slope_sigma = 1.2e-2;   ///< of the car's springs and the road, radians, beside what the look itself says
   double travel_sigma = 5e-3;    ///< of the angle between the ground and the way over it: springs, humps
-  double lever = 0.7;  ///< how far from the camera the ground begins to tilt, in distances of the ground that is seen
+  double lever = 0.5;  ///< how far from the camera the ground begins to tilt, in distances of the ground that is seen
   double height_sigma = 0.01;  ///< of the height over the road at one place: its logarithm
   double repetition = 3;       ///< consecutive looks see the same ground: so many count as one
   double gate = 16;            ///< largest squared Mahalanobis distance (3 degrees of freedom)
