@@ -163,7 +163,7 @@ def lorry_passes(d):
 
 
 ALTERATIONS = [  # name, what is done
-    ("as recorded", lambda d: None),
+    ("as recorded (its JPEG made anew)", lambda d: None),
     ("mirrored", mirrored),
     ("backwards", lambda d: (d.choose(range(len(d.read))[::-1]), d.t.sort())),
     ("every second frame", lambda d: d.choose(range(0, len(d.read), 2))),
@@ -225,7 +225,7 @@ def main():
         return
     with open(PAGE, encoding="utf-8") as page:
         text = page.read()
-    text, found = re.subn(r"(?<=<!-- altered -->\n\n).*?(?=\n<!-- /altered -->)", lambda _: table, text, flags=re.S)
+    text, found = re.subn(r"(?<=<!-- altered -->\n).*?(?=<!-- /altered -->)", lambda _: f"\n{table}\n", text, flags=re.S)
     if not found:
         sys.exit(f"{PAGE} has no place for the table")
     with open(PAGE, "w", encoding="utf-8") as page:

@@ -102,8 +102,7 @@ bool KeyframeOdometry::State::follow(const FrameTime& now, const FrameView& curr
     stood = true;
     return true;
   }
-  PosePrior about = prior;
-  const RefinedPose fine = pose_of_found(about, T, 4);
+  const RefinedPose fine = pose_of_found(prior, T, 4);
   if (fine.inliers < options.min_tracked ||
       fine.inliers < options.min_agreement * static_cast<double>(constraints.size())) {
     out.reason = PoseReason::too_few_inliers;

@@ -40,11 +40,12 @@ class Coverage {
     };
     const int row = place(pair.y_current, camera_.height, kRows),
               column = place(pair.x_current, camera_.width, kColumns);
-    return static_cast<std::size_t>(row * kColumns + column);
+    const int cell = row * kColumns + column;
+    return static_cast<std::size_t>(cell);
   }
 
   const Camera& camera_;
-  std::array<int, static_cast<std::size_t>(kColumns* kRows)> pairs_in_{};
+  std::array<int, kColumns * kRows> pairs_in_{};
   double occupied_ = 0;
 };
 
