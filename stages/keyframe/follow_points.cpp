@@ -23,7 +23,8 @@ PosePrior KeyframeOdometry::State::expected(const FrameTime& now) const {
   return prior;
 }
 
-// Points whose place is known well enough, by descriptor: every so manieth of them. Returns how many were found.
+// Points whose place is known well enough, by descriptor: one of every `every`, from `first` on. Returns how many were
+// found.
 int KeyframeOdometry::State::find_keypoints(const SE3& T, const Features& features, double radius_px, int every,
                                             int first) {
   constraints.clear();

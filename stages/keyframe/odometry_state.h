@@ -37,6 +37,7 @@ struct KeyframeOdometry::State {
         points(static_cast<std::size_t>(how.max_points) * 2),
         grid(rectified.width, rectified.height, how.max_points, how.least_spacing_px) {
     if (!step_length) throw std::invalid_argument("odometry: no step length given");
+    // What holds a part of the points: how large a part differs from frame to frame, and no frame shall allocate.
     for (auto* of_points : {&constrained, &candidates}) of_points->reserve(points.size());
     constraints.reserve(points.size());
     by_id.reserve(points.size());

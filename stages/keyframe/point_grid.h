@@ -4,15 +4,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <utility>
 #include <vector>
 
 namespace pavo {
 
+/// One caller at a time; only the constructor allocates.
 class PointGrid {
  public:
-  /// Square cells, as many as there may be points, none narrower than `least_px`. Allocates; nothing else does.
+  /// Square cells over a picture of width x height px, as many as there may be points, none narrower than `least_px`.
   PointGrid(int width, int height, int max_points, int least_px)
       : cell_px_(std::max(static_cast<double>(least_px), std::sqrt(static_cast<double>(width) * height / max_points))),
         columns_(static_cast<int>(width / cell_px_) + 1),
@@ -20,7 +22,7 @@ class PointGrid {
 
   void clear() { std::fill(taken_.begin(), taken_.end(), std::uint8_t{0}); }
 
-  /// Takes the cell of a pixel of the picture; false where it was taken.
+  /// Takes the cell of (x, y), a pixel in [0, width) x [0, height); false where it was taken.
   bool take(float x, float y) {
     std::uint8_t& taken = taken_[place(x, y)];
     return std::exchange(taken, std::uint8_t{1}) == 0;

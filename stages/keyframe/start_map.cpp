@@ -41,7 +41,8 @@ void KeyframeOdometry::State::set_reference(const FrameTime& now, const FrameVie
   keyframes.push_back({now, out.T_w_c});
 }
 
-// Of each cell of the picture the match whose descriptors are most alike.
+// One match a cell of the picture: the first. (The one whose descriptors are most alike is too often on what does not
+// move in the picture: behind a car ahead the start then follows the car.)
 void KeyframeOdometry::State::thin_matches(const Features& now) {
   grid.clear();
   std::erase_if(matches, [&](const Match& match) {

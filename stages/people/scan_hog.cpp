@@ -9,8 +9,8 @@
 namespace pavo {
 namespace {
 
-constexpr std::size_t kUsual =
-    64;  // windows of one size that answer, before suppression; for more, memory is asked for
+// Windows of one size that answer, before suppression. For more, memory is asked for while frames run.
+constexpr std::size_t kUsual = 64;
 
 const PedestrianModel& checked(const PedestrianModel& model) {
   const auto refuse = [](const char* what) { throw std::invalid_argument(std::string("scan: the model's ") + what); };

@@ -17,14 +17,15 @@ namespace pavo {
 struct StandstillOptions {
   double max_motion_px = 2.5;     ///< what wind, an engine or a hand may shake the picture, and it still is at rest
   double max_residual_px = 0.25;  ///< of a match at rest, beside the rotation that the shaking is
-  double min_share = 0.5;  ///< of the matches that have to be at rest. What moves beside them are people and cars
-  int min_matches = 20;    ///< fewer prove nothing
+  double min_share = 0.5;         ///< of the picture that has to be at rest. What moves beside it are people and cars
+  int min_matches = 20;           ///< fewer prove nothing
 };
 
-/// True where at least min_share of the pairs moved less than max_motion_px, and all as one small rotation does it:
-/// no parallax, so no translation, and a rotation that is not worth telling. Marks the pairs at rest in `at_rest`
-/// (resized to one flag per pair; all 0 when false). Allocates only to grow `at_rest`; O(n), and most moving frames are
-/// told from the first condition alone.
+/// True where pairs that stand for at least min_share of the picture moved less than max_motion_px, and all as one
+/// small rotation does it: no parallax, so no translation, and a rotation that is not worth telling. Pairs in one cell
+/// of a 16 x 8 grid share what that cell counts for: a car ahead may have more corners than the street. Marks the pairs
+/// at rest in `at_rest` (resized to one flag per pair; all 0 when false). Allocates only to grow `at_rest`; O(n), and
+/// most moving frames are told from the first condition alone.
 bool stands_still(std::span<const PointPair> pairs, const Camera& camera, const StandstillOptions& options,
                   std::vector<std::uint8_t>& at_rest);
 

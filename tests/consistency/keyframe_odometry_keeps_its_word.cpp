@@ -99,6 +99,15 @@ double travelled(std::size_t to) {
   return way;
 }
 
+/// The film goes on, and the camera is where it should be.
+void expect_followed(Sight& drive, std::size_t from, std::size_t to) {
+  for (std::size_t k = from; k < to; ++k) {
+    const PoseResult& pose = drive.see(k);
+    EXPECT_EQ(pose.quality, Quality::tracked) << k;
+    EXPECT_LT((pose.T_w_c.t - film().truth[k].t).norm(), 0.03 * travelled(k)) << k;
+  }
+}
+
 // The camera stops right at a keyframe: the map moves that when it has adjusted it, and the pose must stay all the
 // same.
 TEST(KeyframeOdometry, StandsStillToTheBitWhileTheMapMoves) {
@@ -115,11 +124,7 @@ TEST(KeyframeOdometry, StandsStillToTheBitWhileTheMapMoves) {
     EXPECT_EQ(pose.T_w_c.t, first.t) << k;
     EXPECT_EQ(pose.T_w_c.R, first.R) << k;
   }
-  for (std::size_t next = here + 1; next < here + 6; ++next) {  // and the start out of it is clean
-    const PoseResult& pose = drive.see(next);
-    EXPECT_EQ(pose.quality, Quality::tracked) << next;
-    EXPECT_LT((pose.T_w_c.t - film().truth[next].t).norm(), 0.03 * travelled(next)) << next;
-  }
+  expect_followed(drive, here + 1, here + 6);  // and the start out of it is clean
 }
 
 TEST(KeyframeOdometry, CoastsWhereNothingIsSeenAndGoesOnInTheSameMap) {
@@ -131,11 +136,7 @@ TEST(KeyframeOdometry, CoastsWhereNothingIsSeenAndGoesOnInTheSameMap) {
     EXPECT_EQ(pose.quality, Quality::coasting) << k;
     EXPECT_LT((pose.T_w_c.t - film().truth[k].t).norm(), 0.05 * travelled(k)) << k;
   }
-  for (std::size_t k = 23; k < 35; ++k) {
-    const PoseResult& pose = drive.see(k);
-    EXPECT_EQ(pose.quality, Quality::tracked) << k;
-    EXPECT_LT((pose.T_w_c.t - film().truth[k].t).norm(), 0.03 * travelled(k)) << k;
-  }
+  expect_followed(drive, 23, 35);
 }
 
 // It covers all that is known for longer than a drive would be waited for; the camera goes nowhere meanwhile.
@@ -158,11 +159,7 @@ TEST(KeyframeOdometry, DoesNotTakeALorryThatPassesForANewWorld) {
     EXPECT_EQ(pose.quality, Quality::standing) << k;
     EXPECT_EQ(pose.T_w_c.t, here.t) << k;
   }
-  for (std::size_t k = 15; k < 25; ++k) {
-    const PoseResult& pose = drive.see(k);
-    EXPECT_EQ(pose.quality, Quality::tracked) << k;
-    EXPECT_LT((pose.T_w_c.t - film().truth[k].t).norm(), 0.03 * travelled(k)) << k;
-  }
+  expect_followed(drive, 15, 25);
 }
 
 // It keeps its place in the picture and has more corners than all the rest: neither does the camera stand, nor is the
