@@ -95,13 +95,14 @@ bool ScaleFilter::update(const GroundMeasurement& look) {
   return true;
 }
 
-bool ScaleFilter::travelled(const Eigen::Vector3d& direction) {
+bool ScaleFilter::travelled(const Eigen::Vector3d& direction, bool ground_seen) {
   Eigen::Vector3d h = Eigen::Vector3d::Zero();
   h.tail<2>() = down_derivative(attitude()).transpose() * direction;
   const double innovation = -down_of(attitude()).dot(direction);
   const double R = squared(options_.travel_sigma), known = h.dot(P_ * h);
   if (squared(innovation) > options_.gate * (known + R)) return false;
-  const Eigen::Vector3d gain = P_ * h / (known + options_.repetition * R);
+  Eigen::Vector3d gain = P_ * h / (known + options_.repetition * R);
+  if (!ground_seen) gain(0) = 0;  // earlier looks at this attitude meant another scale, but without ground it holds
   x_ += gain * innovation;
   const Eigen::Matrix3d rest = Eigen::Matrix3d::Identity() - gain * h.transpose();
   P_ = rest * P_ * rest.transpose() + options_.repetition * R * gain * gain.transpose();

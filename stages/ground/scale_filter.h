@@ -54,8 +54,9 @@ class ScaleFilter {
 
   /// A look at the ground. False where it was left out.
   bool update(const GroundMeasurement& look);
-  /// The camera moved that way (length 1, in its own frame). False where it was left out.
-  bool travelled(const Eigen::Vector3d& direction);
+  /// The camera moved that way (length 1, in its own frame). Where no ground was seen meanwhile, the scale holds to the
+  /// bit and only the attitude learns. False where it was left out.
+  bool travelled(const Eigen::Vector3d& direction, bool ground_seen);
   /// Another measurement of metres per unit: a wheel's speed, a person's height. False where it was left out.
   bool update(double metres_per_unit, double sigma);
 
