@@ -8,21 +8,19 @@ DATA    the folder with sequences/
 --only  alterations whose name contains this
 --print print the table instead of writing it into docs/results.md
 
-Every run: pavo run DRIVE --scale camera-height=1.65. Some eight minutes. Needs numpy and OpenCV for Python 3.
+Every run as measure.py's. Some eight minutes. Needs numpy and OpenCV for Python 3.
 """
 import argparse
-import json
 import os
 import re
-import subprocess
 import sys
 import tempfile
 
 import cv2
+import measure
 import numpy as np
 
-ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-PAGE = os.path.join(ROOT, "docs", "results.md")
+PAGE = measure.PAGE
 DRIVES = ["kitti05-300", "kitti-street-108", "kitti-city-134", "kitti01-51"]
 
 
@@ -190,21 +188,13 @@ def judge(args, name, alter, drive):
         d = Drive(os.path.join(args.data, "sequences", drive))
         alter(d)
         d.write(folder)
-    out, file = os.path.join(args.work, "run"), os.path.join(args.work, "eval.json")
-    quiet = {"check": True, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-    subprocess.run([args.pavo, "run", folder, "--scale", "camera-height=1.65", "--out", out], **quiet)
-    subprocess.run([args.pavo, "eval", os.path.join(out, "trajectory.kitti"), os.path.join(folder, "poses.txt"), "--step",
-                    "10" if drive == "kitti05-300" else "1", "--json", file], **quiet)
-    with open(file, encoding="utf-8") as text:
-        said = json.load(text)["estimates"][0]
-    raw = said["raw"]["segments"]
-    return raw["t_rel_percent"], raw["r_rel_deg_per_100m"], said["ate_m"]["sim3"]["rmse"]
+    return measure.judge(args, measure.run(args, folder, "altered"), folder, 10 if drive == "kitti05-300" else 1)
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("data")
-    parser.add_argument("--pavo", default=os.path.join(ROOT, "build", "release", "tools", "pavo"))
+    parser.add_argument("--pavo", default=os.path.join(measure.ROOT, "build", "release", "tools", "pavo"))
     parser.add_argument("--work")
     parser.add_argument("--only", default="")
     parser.add_argument("--print", action="store_true")

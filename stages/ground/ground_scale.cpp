@@ -101,10 +101,10 @@ GroundMeasurement GroundScale::best_of_starts(const Remembered& current, const R
   return best;
 }
 
-// A direction is as good as the way is long.
+// A direction is as good as the way is long. While nobody knows how long: any way will do.
 bool GroundScale::far_enough(const SE3& T_ref_cur) const {
   constexpr double kLeast = 0.25;  // in heights of the camera
-  return T_ref_cur.t.norm() * filter_.metres_per_unit() >= kLeast * filter_.height_m();
+  return !filter_.known() || T_ref_cur.t.norm() * filter_.metres_per_unit() >= kLeast * filter_.height_m();
 }
 
 // The less is known, the more of the ground has to agree.
@@ -118,18 +118,17 @@ GroundLook GroundScale::look(const Remembered& current, const Remembered& refere
                              const People& people) {
   GroundLook look;
   look.reference_frame = reference.frame;
+  if (far_enough(T_ref_cur)) filter_.travelled(direction_of(T_ref_cur));
   const bool start = !filter_.known() || unused_ > kDoubtful;
   if (start) votes_.fade(0.9);
   const bool found = start && vote(current, reference, T_ref_cur, people);
   if (!filter_.known()) {
-    filter_.travelled(direction_of(T_ref_cur), false);
     look.measurement.reason = GroundReason::no_agreement;
     return look;
   }
   look.measurement = found ? best_of_starts(current, reference, T_ref_cur, people)
                            : align_(current.image, reference.image, T_ref_cur, filter_.expected(), people);
   look.used = trusted(look.measurement) && filter_.update(look.measurement);
-  if (far_enough(T_ref_cur)) filter_.travelled(direction_of(T_ref_cur), look.used);
   if (found && !look.used) filter_.restart();
   unused_ = look.used ? 0 : unused_ + 1;
   if (look.used) votes_.clear();

@@ -28,10 +28,10 @@ ScaleFilter::ScaleFilter(const ScaleFilterOptions& options) : options_(options) 
 }
 
 double ScaleFilter::metres_per_unit() const {
-  return std::exp(x_(0));
+  return std::exp(told_);
 }
 double ScaleFilter::sigma() const {
-  return std::sqrt(P_(0, 0));
+  return std::sqrt(P_(0, 0) + squared(x_(0) - told_));
 }
 
 void ScaleFilter::predict(double scale_sigma) {
@@ -42,10 +42,11 @@ void ScaleFilter::predict(double scale_sigma) {
 
 void ScaleFilter::rescale(double factor) {
   x_(0) -= std::log(factor);
+  told_ -= std::log(factor);
 }
 
 void ScaleFilter::retarget(double metres_per_unit) {
-  x_(0) = std::log(metres_per_unit);
+  rescale(std::exp(told_) / metres_per_unit);
 }
 
 void ScaleFilter::restart() {
@@ -58,7 +59,7 @@ void ScaleFilter::restart() {
 
 void ScaleFilter::assume(double metres_per_unit, double sigma) {
   restart();
-  x_(0) = std::log(metres_per_unit);
+  x_(0) = told_ = std::log(metres_per_unit);
   P_(0, 0) = squared(sigma);
   known_ = true;
 }
@@ -91,18 +92,18 @@ bool ScaleFilter::update(const GroundMeasurement& look) {
   x_ += gain * innovation;
   const Eigen::Matrix3d rest = Eigen::Matrix3d::Identity() - gain;
   P_ = rest * P_ * rest.transpose() + options_.repetition * gain * R * gain.transpose();
+  told_ = x_(0);
   known_ = true;
   return true;
 }
 
-bool ScaleFilter::travelled(const Eigen::Vector3d& direction, bool ground_seen) {
+bool ScaleFilter::travelled(const Eigen::Vector3d& direction) {
   Eigen::Vector3d h = Eigen::Vector3d::Zero();
   h.tail<2>() = down_derivative(attitude()).transpose() * direction;
   const double innovation = -down_of(attitude()).dot(direction);
   const double R = squared(options_.travel_sigma), known = h.dot(P_ * h);
   if (squared(innovation) > options_.gate * (known + R)) return false;
-  Eigen::Vector3d gain = P_ * h / (known + options_.repetition * R);
-  if (!ground_seen) gain(0) = 0;  // earlier looks at this attitude meant another scale, but without ground it holds
+  const Eigen::Vector3d gain = P_ * h / (known + options_.repetition * R);
   x_ += gain * innovation;
   const Eigen::Matrix3d rest = Eigen::Matrix3d::Identity() - gain * h.transpose();
   P_ = rest * P_ * rest.transpose() + options_.repetition * R * gain * gain.transpose();
@@ -118,13 +119,14 @@ bool ScaleFilter::update(double metres_per_unit, double sigma) {
   x_ += gain * innovation;
   P_ -= gain * P_.row(0).eval();
   P_ = (0.5 * (P_ + P_.transpose())).eval();
+  told_ = x_(0);
   known_ = true;
   return true;
 }
 
 GroundPrior ScaleFilter::expected(double least_sigma) const {
   GroundPrior prior;
-  const double length = metres_per_unit() / options_.height_m;
+  const double length = std::exp(x_(0)) / options_.height_m;
   prior.m = length * down_of(attitude());
   const Eigen::Matrix3d B = derivative(length, attitude());
   Eigen::Matrix3d wide = P_;

@@ -35,8 +35,9 @@ class ScaleFilter {
   explicit ScaleFilter(const ScaleFilterOptions& options);
 
   bool known() const { return known_; }  ///< false until the first look, and after restart()
-  double metres_per_unit() const;        ///< of no meaning unless known()
-  double sigma() const;                  ///< standard deviation of its logarithm
+  /// As of the last look (or other sensor): where none comes, it holds to the bit. Of no meaning unless known().
+  double metres_per_unit() const;
+  double sigma() const;  ///< standard deviation of its logarithm
   GroundAttitude attitude() const { return {x_(1), x_(2)}; }
   const Eigen::Matrix3d& covariance() const { return P_; }
   double height_m() const { return options_.height_m; }
@@ -54,9 +55,9 @@ class ScaleFilter {
 
   /// A look at the ground. False where it was left out.
   bool update(const GroundMeasurement& look);
-  /// The camera moved that way (length 1, in its own frame). Where no ground was seen meanwhile, the scale holds to the
-  /// bit and only the attitude learns. False where it was left out.
-  bool travelled(const Eigen::Vector3d& direction, bool ground_seen);
+  /// The camera moved that way (length 1, in its own frame). What it says of the mounting is what earlier looks meant
+  /// for the scale, too; that is told with the next look. False where it was left out.
+  bool travelled(const Eigen::Vector3d& direction);
   /// Another measurement of metres per unit: a wheel's speed, a person's height. False where it was left out.
   bool update(double metres_per_unit, double sigma);
 
@@ -68,6 +69,7 @@ class ScaleFilter {
   ScaleFilterOptions options_;
   bool known_ = false;
   int misses_ = 0;
+  double told_ = 0;  // ln metres per unit, as of the last look
   Eigen::Vector3d x_ = Eigen::Vector3d::Zero();
   Eigen::Matrix3d P_ = Eigen::Matrix3d::Zero();
 };
