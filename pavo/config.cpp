@@ -226,6 +226,7 @@ std::vector<Setting> settings(Config& c) {
       {"people.mask_width", &c.people.mask_width, "of what is dropped, times the person's box", {}, 0.1, 3},
       {"people.mask_height", &c.people.mask_height, "the same upwards", {}, 0.1, 3},
       {"people.mask_shape", &c.people.mask_shape, "of that outline", {"box", "ellipse"}},
+      {"people.sizes_in_turn", &c.people.sizes_in_turn, "half of the sizes are looked for in each frame", {}},
       {"people.put_back", &c.people.put_back, "matches on people who move as the street does are used all the same"},
       {"odometry.estimator",
        &c.odometry.estimator,

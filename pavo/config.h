@@ -61,11 +61,12 @@ struct Config {
   struct PeopleSettings {
     bool enabled = true;
     std::string model;               ///< a file; "": the one that is built in
-    double threshold = 0.1;          ///< smallest probability of a detection; negative: the model's own
+    double threshold = 0.07;         ///< smallest probability of a detection; negative: the model's own
     double ground_slack_rad = 0.04;  ///< how far from where a level ground is people's feet may be seen
     double mask_width = 1.25;        ///< of the outline whose features are dropped, times the box's
     double mask_height = 1;
     std::string mask_shape = "box";
+    bool sizes_in_turn = true;  ///< half of the people's sizes are looked for in each frame
     bool put_back = true;  ///< matches in outlines that move as the street does are used (frame-to-frame, descriptor)
   } people;
 

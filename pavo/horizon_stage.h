@@ -26,7 +26,7 @@ class HorizonStage {
     standing = prior_;
   }
   void operator()(const MapUpdate* update, std::optional<StandingPrior>& standing) {
-    if (update && update->attitude) look(*update->attitude);
+    if (update && update->ground) look(attitude_of(*update->ground));
     standing = prior_;
   }
   template <class Seen>

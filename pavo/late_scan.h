@@ -1,10 +1,11 @@
-// The scan for people as the engine calls it: live, a frame that is over its latency budget is not scanned, and the
-// people of the frame before are carried on.
+// The scan for people as the engine calls it: half of the sizes in each frame, in turn. Live, a frame that is over its
+// latency budget is not scanned, and the people of the frame before are carried on.
 #pragma once
 
 #include <functional>
 #include <utility>
 
+#include "engine/frame_info.h"
 #include "stages/people/scan.h"
 #include "stages/people/track_people.h"
 
@@ -14,14 +15,15 @@ namespace pavo {
 struct ScanUnlessLate {
   using Scratch = ScanPeople::Scratch;
   ScanPeople scan;
+  bool sizes_in_turn;
 
-  void operator()(const Image& image, Detections& detections, bool& scanned, Scratch& scratch) const {
-    scan(image, detections, scratch);
-    scanned = true;
+  void operator()(const FrameInfo& info, const Image& image, Detections& detections, bool& scanned,
+                  Scratch& scratch) const {
+    (*this)(info, image, scan.standing(), detections, scanned, scratch);
   }
-  void operator()(const Image& image, const std::optional<StandingPrior>& standing, Detections& detections,
-                  bool& scanned, Scratch& scratch) const {
-    scan(image, standing, detections, scratch);
+  void operator()(const FrameInfo& info, const Image& image, const std::optional<StandingPrior>& standing,
+                  Detections& detections, bool& scanned, Scratch& scratch) const {
+    scan(image, standing, levels_of(info), detections, scratch);
     scanned = true;
   }
   void late(const Image& image, const std::optional<StandingPrior>&, Detections& detections, bool& scanned) const {
@@ -30,6 +32,12 @@ struct ScanUnlessLate {
   void late(const Image&, Detections& detections, bool& scanned) const {
     detections.clear();
     scanned = false;
+  }
+
+ private:
+  ScanLevels levels_of(const FrameInfo& info) const {
+    if (!sizes_in_turn) return ScanLevels::all;
+    return info.sequence % 2 == 0 ? ScanLevels::even : ScanLevels::odd;
   }
 };
 

@@ -116,7 +116,7 @@ OdometryPipeline::OdometryPipeline(const Config& config, const Camera& camera,
 // Where odometry sees the ground, it tells the scan how the camera is held over it.
 void OdometryPipeline::add_scan(const Config& config) {
   Pipeline<Frame>& p = *pipeline_;
-  const ScanUnlessLate scan{make_scan(config, rectified_, &stages_->spread)};
+  const ScanUnlessLate scan{make_scan(config, rectified_, &stages_->spread), config.people.sizes_in_turn};
   if (!scale_from_camera_height(config)) {
     p.add("scan", reads(&Frame::image), writes(&Frame::detections, &Frame::scanned), scan, parallel);
     return;

@@ -121,6 +121,7 @@ void run(const std::string& name, Sequence& sequence, const std::filesystem::pat
   options.new_patch_ratio = get(s, "patch_ratio", options.new_patch_ratio);
   options.search_px = get(s, "search", options.search_px);
   options.least_spacing_px = static_cast<int>(get(s, "spacing", options.least_spacing_px));
+  options.farthest_below = get(s, "below", options.farthest_below);
   options.max_coarse = static_cast<int>(get(s, "coarse", options.max_coarse));
   options.mature_px = get(s, "mature", options.mature_px);
   options.align.min_correlation = static_cast<float>(get(s, "ncc", options.align.min_correlation));

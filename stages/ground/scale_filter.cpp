@@ -102,7 +102,13 @@ bool ScaleFilter::travelled(const Eigen::Vector3d& direction) {
   h.tail<2>() = down_derivative(attitude()).transpose() * direction;
   const double innovation = -down_of(attitude()).dot(direction);
   const double R = squared(options_.travel_sigma), known = h.dot(P_ * h);
-  if (squared(innovation) > options_.gate * (known + R)) return false;
+  if (squared(innovation) > options_.gate * (known + R)) {
+    if (++strange_ways_ < options_.ways_until_doubt) return false;
+    P_ *= squared(options_.doubt);
+    strange_ways_ = 0;
+    return false;
+  }
+  strange_ways_ = 0;
   const Eigen::Vector3d gain = P_ * h / (known + options_.repetition * R);
   x_ += gain * innovation;
   const Eigen::Matrix3d rest = Eigen::Matrix3d::Identity() - gain * h.transpose();

@@ -26,6 +26,8 @@ struct ScaleFilterOptions {
   double repetition = 3;       ///< consecutive looks see the same ground: so many count as one
   double gate = 16;            ///< largest squared Mahalanobis distance (3 degrees of freedom)
   int misses_until_lost = 12;  ///< in a row
+  int ways_until_doubt = 6;    ///< ways in a row that do not fit: the attitude (and the scale, which came of it) is
+  double doubt = 4;            ///< so many times less sure than was thought
 };
 
 /// One caller at a time; allocates nothing.
@@ -68,8 +70,8 @@ class ScaleFilter {
  private:
   ScaleFilterOptions options_;
   bool known_ = false;
-  int misses_ = 0;
-  double told_ = 0;  // ln metres per unit, as of the last look
+  int misses_ = 0, strange_ways_ = 0;  // in a row
+  double told_ = 0;                    // ln metres per unit, as of the last look
   Eigen::Vector3d x_ = Eigen::Vector3d::Zero();
   Eigen::Matrix3d P_ = Eigen::Matrix3d::Zero();
 };

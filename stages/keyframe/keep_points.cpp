@@ -31,7 +31,18 @@ void KeyframeOdometry::State::update_depth(TrackedPoint& point, const SE3& T) co
   point.ray.sigma_rho = 1 / std::sqrt(H);
 }
 
+// Nothing is seen through the ground. What keeps its place in the picture while the camera drives (a car ahead,
+// somebody who walks along) seems to be infinitely far, and where the ground would have to be in front of it that is
+// not so.
+bool KeyframeOdometry::State::is_below_ground(const RayPoint& ray, const SE3& T) const {
+  if (!ground) return false;
+  const Eigen::Vector3d p = scaled_in_camera(ray, T);
+  const double ground_rho = ground->dot(p) - options.ground_slack_rad * ground->norm() * p.z();
+  return options.farthest_below * (ray.rho + 2 * ray.sigma_rho) < ground_rho;
+}
+
 void KeyframeOdometry::State::update_points(const SE3& T, const FrameView& current) {
+  carried.fade();
   for (std::size_t n = 0; n < constrained.size(); ++n) {
     TrackedPoint& point = points[constrained[n]];
     if (constraints[n].chi2 > 9) {
@@ -44,7 +55,9 @@ void KeyframeOdometry::State::update_points(const SE3& T, const FrameView& curre
     ++point.seen;
     point.outliers = std::max(0, point.outliers - 1);
     update_depth(point, T);
-    if (point.ray.rho < -2 * point.ray.sigma_rho) {
+    const bool below = is_below_ground(point.ray, T);
+    if (below) carried.add(point.px.x(), point.px.y());
+    if (below || point.ray.rho < -2 * point.ray.sigma_rho) {
       point.id = 0;
       continue;
     }
@@ -138,7 +151,7 @@ void KeyframeOdometry::State::add_points(const FrameView& current, const SE3& T,
   for (const int i : candidates) {
     if (alive >= options.max_points) break;
     const Keypoint& k = features.keypoints[i];
-    if (grid.is_taken(k.x, k.y)) continue;
+    if (grid.is_taken(k.x, k.y) || carried.holds(k.x, k.y)) continue;
     TrackedPoint* point = free_point();
     if (!point) break;
     if (!take_patch(current.image->view(), k.x, k.y, point->patch)) continue;

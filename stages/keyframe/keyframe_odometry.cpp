@@ -30,6 +30,8 @@ void KeyframeOdometry::State::take_over(const MapUpdate& update) {
   camera = refined_camera(calibrated, update.lens);
   uncertainty.take_over(update, scale);
   scale_known = scale_known || update.scale_variance >= 0;
+  if (ground) *ground /= scale;
+  if (update.ground && update.scale_variance < options.sure_of_ground * options.sure_of_ground) ground = update.ground;
   const SE3 old = it->T_w_c;
   const Eigen::Matrix3d R = update.T_w_c.R * old.R.transpose();
   const auto moved = [&](const Eigen::Vector3d& p) -> Eigen::Vector3d {
@@ -190,6 +192,8 @@ void KeyframeOdometry::operator()(const FrameTime& now, const FrameView& current
     const int patience = s.stood ? s.options.lost_after_standing : s.options.lost_after;
     if (usable && s.started && s.lost + 1 >= patience) {
       s.has_map = s.stays = false;
+      s.ground.reset();
+      s.carried.forget();
       s.set_reference(now, current, out, record);
       s.lost = -1;
       out.quality = Quality::relocalising;

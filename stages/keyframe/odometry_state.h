@@ -5,9 +5,11 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <vector>
 
+#include "stages/keyframe/carried_along.h"
 #include "stages/keyframe/keyframe_odometry.h"
 #include "stages/keyframe/keypoint_search.h"
 #include "stages/keyframe/point_grid.h"
@@ -35,6 +37,7 @@ struct KeyframeOdometry::State {
         relative_motion(rectified, how.motion),
         uncertainty(how.systematic, rectified.fx),
         points(static_cast<std::size_t>(how.max_points) * 2),
+        carried(rectified.width, rectified.height),
         grid(rectified.width, rectified.height, how.max_points, how.least_spacing_px) {
     if (!step_length) throw std::invalid_argument("odometry: no step length given");
     // What holds a part of the points: how large a part differs from frame to frame, and no frame shall allocate.
@@ -82,6 +85,7 @@ struct KeyframeOdometry::State {
   RefinedPose pose_of_found(const PosePrior& prior, const SE3& start, double widest);
   void update_points(const SE3& T, const FrameView& current);
   void update_depth(TrackedPoint& point, const SE3& T) const;
+  bool is_below_ground(const RayPoint& ray, const SE3& T) const;
   bool wants_keyframe() const;
   void make_keyframe(const FrameTime& now, const FrameView& current, const SE3& T, KeyframeRecord& record,
                      const PoseResult& out);
@@ -102,10 +106,11 @@ struct KeyframeOdometry::State {
   bool started = false, has_reference = false, has_map = false, has_scale = false, scale_known = false;
   bool stood = false;  // in the last frame with a pose
   FrameTime last_time;
-  SE3 last_T;          // in the map as it is now
-  SE3 published_T;     // as it was published
-  bool stays = false;  // this frame is where the last one is: last_T goes on being the map's
-  double unit = 1;     // of the map as it was taken over last
+  SE3 last_T;                             // in the map as it is now
+  SE3 published_T;                        // as it was published
+  bool stays = false;                     // this frame is where the last one is: last_T goes on being the map's
+  double unit = 1;                        // of the map as it was taken over last
+  std::optional<Eigen::Vector3d> ground;  // m of the plane below the camera, in the map's lengths
   std::vector<std::uint8_t> last_kept;
   int lost = 0;
   PoseUncertainty uncertainty;
@@ -120,6 +125,7 @@ struct KeyframeOdometry::State {
   int reference_matches = 0;
 
   std::vector<TrackedPoint> points;
+  CarriedAlong carried;
   PointGrid grid;
   PointId next_id = 1;
   std::vector<Keyframe> keyframes;  // whose updates may still come

@@ -86,7 +86,7 @@ struct MapUpdate {
   /// Variance of the logarithm of the scale's error (negative: no more is known than before), and all that ever came to
   /// it anew.
   double scale_variance = -1, scale_walk = 0;
-  std::optional<GroundAttitude> attitude;  ///< how the camera is held over the ground, where that was seen
+  std::optional<Eigen::Vector3d> ground;  ///< m of the plane below the camera (ground_plane.h), where that was seen
   std::vector<Point> points;
   std::vector<KeyframePose> window;  ///< all that were adjusted, the oldest first
 
@@ -96,7 +96,7 @@ struct MapUpdate {
     frame = -1;
     unit = 1;
     scale_variance = -1, scale_walk = 0;
-    attitude.reset();
+    ground.reset();
     points.clear();
   }
 };

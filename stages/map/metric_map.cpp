@@ -35,7 +35,7 @@ void MetricMap::apply_scale(bool sensed, double factor, MapUpdate& update) {
   update.unit = unit_;
   update.scale_variance = sensed ? variance : -1;
   update.scale_walk = walk_;
-  if (ground_ && ground_->known()) update.attitude = ground_->attitude();
+  if (ground_ && ground_->known()) update.ground = down_of(ground_->attitude()) / options_.ground->filter.height_m;
 }
 
 void MetricMap::look_between_keyframes(const KeyframeRecord& frame, const Image& image, const People& people,

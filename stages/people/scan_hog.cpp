@@ -38,8 +38,8 @@ ScanPeopleHog::ScanPeopleHog(const PedestrianModel& model, const ScanHogOptions&
   margin_ = static_cast<float>(model_.margin(static_cast<double>(options_.threshold)));
 }
 
-void ScanPeopleHog::operator()(const Image& image, const std::optional<StandingPrior>& standing, Detections& detections,
-                               Scratch& scratch) const {
+void ScanPeopleHog::operator()(const Image& image, const std::optional<StandingPrior>& standing, ScanLevels which,
+                               Detections& detections, Scratch& scratch) const {
   if (standing) check(*standing);
   detections.clear();
   if (image.width() < hog::kWindowWidth || image.height() < hog::kWindowHeight) return;
@@ -51,16 +51,17 @@ void ScanPeopleHog::operator()(const Image& image, const std::optional<StandingP
   prepare(image, scratch);
 
   // The largest level comes first, and whoever is free takes the next.
+  const std::size_t first = which == ScanLevels::odd ? 1 : 0, step = which == ScanLevels::all ? 1 : 2;
   const auto turn = [&](int hand, int k) {
-    const auto level = static_cast<std::size_t>(k);
+    const std::size_t level = first + step * static_cast<std::size_t>(k);
     scan_level(scratch.pyramid, levels[level], standing, scratch.chunks[static_cast<std::size_t>(hand)],
                scratch.found[level]);
   };
-  const auto turns = static_cast<int>(levels.size());
-  spread_or_not(options_.spread, turns, turn);
+  const std::size_t turns = (levels.size() - first + step - 1) / step;
+  spread_or_not(options_.spread, static_cast<int>(turns), turn);
 
   detections.reserve(4 * kUsual);
-  for (std::size_t k = 0; k < levels.size(); ++k)
+  for (std::size_t k = first; k < levels.size(); k += step)
     detections.insert(detections.end(), scratch.found[k].begin(), scratch.found[k].end());
   suppress_non_maxima(detections, options_.largest_share);
 }

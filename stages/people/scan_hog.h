@@ -17,6 +17,10 @@
 
 namespace pavo {
 
+/// Which sizes of people are looked for. In a film it is enough to look for half of them in each frame, in turn: who is
+/// between two sizes scores nearly as well at the next one, and is kept by the tracker until their own comes round.
+enum class ScanLevels { all, even, odd };
+
 struct ScanHogOptions {
   double scale_step = 1.05;  ///< from one pyramid level to the next, > 1
   int border_cells = 3;      ///< windows may reach so many cells beyond the image, which goes on with its edge pixels:
@@ -52,11 +56,15 @@ class ScanPeopleHog {
 
   /// The boxes of the persons in `image`, best first; none if the image is smaller than a window.
   void operator()(const Image& image, Detections& detections, Scratch& scratch) const {
-    (*this)(image, options_.standing, detections, scratch);
+    (*this)(image, options_.standing, ScanLevels::all, detections, scratch);
   }
-  /// The same with another ground than the options'. Throws std::invalid_argument if it is out of its range.
-  void operator()(const Image& image, const std::optional<StandingPrior>& standing, Detections& detections,
-                  Scratch& scratch) const;
+  /// The same with another ground than the options', at some of the levels. Throws std::invalid_argument if the ground
+  /// is out of its range.
+  void operator()(const Image& image, const std::optional<StandingPrior>& standing, ScanLevels which,
+                  Detections& detections, Scratch& scratch) const;
+
+  /// The ground that is looked at unless another one is given.
+  const std::optional<StandingPrior>& standing() const { return options_.standing; }
 
  private:
   void prepare(const Image& image, Scratch& scratch) const;

@@ -39,8 +39,8 @@ const Film& film() {
 /// Sees pictures, of the film or others; the true lengths between frames are told, so that the world is the film's.
 class Sight {
  public:
-  explicit Sight(const Camera& camera = film().camera)
-      : loop_(std::make_unique<PlainLoop>(camera, PlainLoopOptions{}, std::make_shared<Lengths>(positions_))) {}
+  explicit Sight(const Camera& camera = film().camera, const PlainLoopOptions& options = {})
+      : loop_(std::make_unique<PlainLoop>(camera, options, std::make_shared<Lengths>(positions_))) {}
 
   const PoseResult& see(const Image& image, const Eigen::Vector3d& at) {
     positions_->push_back(at);
@@ -177,6 +177,31 @@ TEST(KeyframeOdometry, IsNotHeldUpByACarAhead) {
     EXPECT_NE(pose.quality, Quality::standing) << k;
     EXPECT_LT((pose.T_w_c.t - film().truth[k].t).norm(), 0.03 * travelled(k) + 0.02) << k;
   }
+}
+
+/// How far the end is off, after a drive in which a car cuts in that hides half of the street and sways a little.
+double error_behind_a_wide_car(double farthest_below) {
+  PlainLoopOptions options;
+  options.odometry.farthest_below = farthest_below;
+  options.map.ground.emplace();
+  options.map.ground->filter.height_m = 1.65;
+  Sight drive(film().camera, options);
+  cv::Mat car;
+  cv::resize(as_mat(film().images[0]), car, {200, 75}, 0, 0, cv::INTER_AREA);
+  double error = 0;
+  for (std::size_t k = 0; k < 45; ++k) {
+    const Image image = copy_of(film().images[k]);
+    const int left = static_cast<int>(std::lround(100 + 3 * std::sin(static_cast<double>(k) / 5)));
+    if (k >= 15) car.copyTo(as_mat(image)(cv::Rect(left, 45, car.cols, car.rows)));
+    error = (drive.see(image, film().truth[k].t).T_w_c.t - film().truth[k].t).norm() / travelled(k);
+  }
+  return error;
+}
+
+// What goes along with the camera seems infinitely far, and below the horizon there is the ground before that.
+TEST(KeyframeOdometry, LooksForNothingBelowTheGround) {
+  EXPECT_LT(error_behind_a_wide_car(KeyframeOdometryOptions{}.farthest_below), 0.07);
+  EXPECT_GT(error_behind_a_wide_car(1e9), 0.15) << "then this shows nothing";
 }
 
 // Lost for long: the map begins anew where the motion model has come to, with the same scale, and never at the origin.

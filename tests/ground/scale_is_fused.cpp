@@ -89,8 +89,8 @@ TEST(ScaleFilter, HoldsTheScaleWhereOnlyTheWayIsSeen) {
   EXPECT_EQ(filter.metres_per_unit(), scale);
   EXPECT_GE(filter.sigma(), sure);
   EXPECT_NEAR(filter.attitude().pitch_rad, -0.015, 0.005);
-  // The next look says the same as the first ones. All of them saw ground that tilts by 0.015 rad and so, from the lever
-  // on, another height than that below the camera.
+  // The next look says the same as the first ones. All of them saw ground that tilts by 0.015 rad and so, from the
+  // lever on, another height than that below the camera.
   filter.update(look_of(0.97, 1.5, {}, 0.02));
   EXPECT_NEAR(filter.metres_per_unit(), 0.97 * std::exp(-0.015 * filter_options().lever / 0.2), 0.01);
 }
@@ -102,6 +102,25 @@ TEST(ScaleFilter, LeavesOutAWayThatIsNotAlongTheGround) {
   EXPECT_FALSE(filter.travelled(along_ground({}, 0, 0.3)));  // a lift
   EXPECT_EQ(filter.attitude().pitch_rad, 0);
   EXPECT_EQ(filter.covariance(), before);
+}
+
+// A start between people, whose ways all point down a slope that is not there. What comes after must be heard, though
+// the first ways made the filter sure of themselves.
+TEST(ScaleFilter, DoubtsTheAttitudeOfAWrongStart) {
+  ScaleFilter filter(filter_options());
+  filter.assume(1, 0.1);
+  for (int i = 0; i < 8; ++i) {
+    filter.predict(1e-3);
+    EXPECT_TRUE(filter.travelled(along_ground({.pitch_rad = -0.056}, 0, 0)));
+    EXPECT_TRUE(filter.update(look_of(0.8, 1.5, {-0.043, 0}, 0.02)));
+  }
+  EXPECT_LT(filter.attitude().pitch_rad, -0.05);
+  EXPECT_FALSE(filter.travelled(along_ground({.pitch_rad = -0.01}, 0, 0))) << "one may be a hump";
+  for (int i = 0; i < 25; ++i) {
+    filter.predict(1e-3);
+    filter.travelled(along_ground({.pitch_rad = -0.01}, 0, 0));
+  }
+  EXPECT_NEAR(filter.attitude().pitch_rad, -0.01, 0.006);
 }
 
 // The look is at ground that falls ahead: with the pitch from the way, height is that of where the camera is.

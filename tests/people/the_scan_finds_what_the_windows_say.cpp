@@ -49,6 +49,45 @@ bool by_place(const PersonBox& a, const PersonBox& b) {
   return std::tuple(a.height, a.y, a.x) < std::tuple(b.height, b.y, b.x);
 }
 
+// What one frame looks for and what the next one does, in turn, is together what a whole scan looks for.
+TEST(ScanHog, EvenAndOddLevelsAreAllOfThem) {
+  const Image image = test::textured(150, 190, 7);
+  const PedestrianModel model = test::random_model(7);
+  const ScanHogOptions options{.scale_step = 1.2, .threshold = 0, .largest_share = kEverything};
+  const ScanPeopleHog scan_levels(model, options);
+  Detections even, odd, all = scan(image, model, options);
+  ScanPeopleHog::Scratch scratch;
+  scan_levels(image, std::nullopt, ScanLevels::even, even, scratch);
+  scan_levels(image, std::nullopt, ScanLevels::odd, odd, scratch);
+  const auto by_all = [](const PersonBox& a, const PersonBox& b) {
+    return std::tuple(a.height, a.y, a.x, a.score) < std::tuple(b.height, b.y, b.x, b.score);
+  };
+  EXPECT_GT(even.size(), odd.size()) << "the largest level is even";
+  EXPECT_GT(odd.size(), all.size() / 4);
+  Detections both = even;
+  both.insert(both.end(), odd.begin(), odd.end());
+  std::sort(both.begin(), both.end(), by_all);
+  std::sort(all.begin(), all.end(), by_all);
+  ASSERT_EQ(both.size(), all.size());
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    EXPECT_EQ(std::tuple(both[i].x, both[i].y, both[i].height, both[i].score),
+              std::tuple(all[i].x, all[i].y, all[i].height, all[i].score));
+  }
+}
+
+// A window and no more: there is one level, and it is even.
+TEST(ScanHog, APictureOfOneLevelHasNoOddOnes) {
+  const Image image = test::textured(64, 128, 8);
+  const ScanPeopleHog scan_levels(test::random_model(8),
+                                  {.scale_step = 3, .border_cells = 0, .threshold = 0, .largest_share = kEverything});
+  Detections even, odd{PersonBox{}};
+  ScanPeopleHog::Scratch scratch;
+  scan_levels(image, std::nullopt, ScanLevels::even, even, scratch);
+  scan_levels(image, std::nullopt, ScanLevels::odd, odd, scratch);
+  EXPECT_EQ(even.size(), 1u);
+  EXPECT_TRUE(odd.empty());
+}
+
 TEST(ScanHog, EveryWindowIsThereWithTheScoreOfTheNaiveScan) {
   const Image image = test::textured(150, 190, 1);
   const PedestrianModel model = test::random_model(1);

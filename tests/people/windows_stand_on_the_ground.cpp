@@ -74,14 +74,14 @@ TEST(StandingPrior, TheScanIsThePlainOneWithoutWhatDoesNotStand) {
 
   // Another ground for one frame, as odometry sees it.
   const std::optional<StandingPrior> other = StandingPrior{.horizon_px = 120, .camera_height_m = 1.65, .slack_px = 10};
-  scan(image, other, with, b);
+  scan(image, other, ScanLevels::all, with, b);
   options.standing = other;
   ScanPeopleHog(model, options)(image, plain, a);
   ASSERT_EQ(with.size(), plain.size());
   for (std::size_t i = 0; i < with.size(); ++i) EXPECT_EQ(with[i].score, plain[i].score);
-  scan(image, std::nullopt, with, b);
+  scan(image, std::nullopt, ScanLevels::all, with, b);
   EXPECT_EQ(with.size(), all);
-  EXPECT_THROW(scan(image, StandingPrior{}, with, b), std::invalid_argument);
+  EXPECT_THROW(scan(image, StandingPrior{}, ScanLevels::all, with, b), std::invalid_argument);
 }
 
 TEST(StandingPrior, AHorizonFarOffLeavesNothingToScan) {

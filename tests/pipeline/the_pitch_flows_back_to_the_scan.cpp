@@ -124,11 +124,11 @@ TEST(PitchFlowsBackHeld, UntilThereIsANewerOne) {
   horizon(nothing, standing);
   EXPECT_EQ(standing, standing_prior(config, camera));
   MapUpdate update;
-  update.attitude = GroundAttitude{.pitch_rad = 0.05};
+  update.ground = down_of({.pitch_rad = 0.05}) / 1.65;
   horizon(&update, standing);
   EXPECT_NEAR(standing->horizon_px, 80 + 300 * std::tan(0.05), 1e-9);
   const std::optional<StandingPrior> held = standing;
-  update.attitude.reset();  // a map without a look at the ground
+  update.ground.reset();  // a map without a look at the ground
   horizon(&update, standing);
   horizon.missed(nothing, standing);
   EXPECT_EQ(standing, held);
