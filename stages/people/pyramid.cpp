@@ -137,11 +137,7 @@ void Pyramid::load(const ImageView& image) {
     Plane& to = planes_[k];
     for (std::size_t y = 0; y < static_cast<std::size_t>(to.height); ++y) {
       const std::int16_t* above = from.pixels.data() + 2 * y * from.stride;
-      const std::int16_t* below = above + from.stride;
-      std::int16_t* out = to.pixels.data() + y * to.stride;
-      for (std::size_t x = 0; x < static_cast<std::size_t>(to.width); ++x)
-        out[x] =
-            static_cast<std::int16_t>((above[2 * x] + above[2 * x + 1] + below[2 * x] + below[2 * x + 1] + 2) >> 2);
+      halve_rows(above, above + from.stride, to.width, to.pixels.data() + y * to.stride);
     }
   }
 }

@@ -46,6 +46,19 @@ void BlendRows(const std::int16_t* HWY_RESTRICT rows, std::size_t stride, const 
   }
 }
 
+void HalveRows(const std::int16_t* HWY_RESTRICT above, const std::int16_t* HWY_RESTRICT below, int n,
+               std::int16_t* HWY_RESTRICT out) {
+  const hn::ScalableTag<std::int16_t> d;
+  const auto rounding = hn::Set(d, 2);
+  for (std::size_t x = 0; x < static_cast<std::size_t>(n); x += hn::Lanes(d)) {
+    hn::Vec<decltype(d)> a0, a1, b0, b1;
+    hn::LoadInterleaved2(d, above + 2 * x, a0, a1);
+    hn::LoadInterleaved2(d, below + 2 * x, b0, b1);
+    const auto sum = hn::Add(hn::Add(hn::Add(a0, a1), hn::Add(b0, b1)), rounding);
+    hn::StoreU(hn::ShiftRight<2>(sum), d, out + x);
+  }
+}
+
 void SampleRow(const std::int16_t* HWY_RESTRICT row, const std::int32_t* HWY_RESTRICT offsets,
                const std::int32_t* HWY_RESTRICT weights01, const std::int32_t* HWY_RESTRICT weights23, int n,
                std::int16_t* HWY_RESTRICT out) {
@@ -82,8 +95,13 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace pavo::hog {
 
+HWY_EXPORT(HalveRows);
 HWY_EXPORT(BlendRows);
 HWY_EXPORT(SampleRow);
+
+void halve_rows(const std::int16_t* above, const std::int16_t* below, int n, std::int16_t* out) {
+  HWY_DYNAMIC_DISPATCH(HalveRows)(above, below, n, out);
+}
 
 void blend_rows(const std::int16_t* rows, std::size_t stride, const std::int16_t* weights, int n, std::int16_t* out) {
   HWY_DYNAMIC_DISPATCH(BlendRows)(rows, stride, weights, n, out);

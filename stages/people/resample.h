@@ -6,6 +6,10 @@
 
 namespace pavo::hog {
 
+/// out[x] = the rounded mean of pixels 2 x and 2 x + 1 of two rows, for x < n rounded up to the vector; twice as many
+/// are read.
+void halve_rows(const std::int16_t* above, const std::int16_t* below, int n, std::int16_t* out);
+
 /// out[x] = the weighted sum of four rows, `stride` apart, weights in 1/2^14, for x < n rounded up to the vector.
 void blend_rows(const std::int16_t* rows, std::size_t stride, const std::int16_t* weights, int n, std::int16_t* out);
 
