@@ -30,6 +30,9 @@ VARIANTS = [  # name, settings of bench_ablation, with the people's boxes
     ("patches are never taken anew (`patch_ratio=1000`)", [HEIGHT, "patch_ratio=1000"], True),
     ("half the points (`points=250`)", [HEIGHT, "points=250"], True),
     ("each look at the ground for itself (`gwalk=0.3`)", [HEIGHT, "gwalk=0.3"], True),
+    ("the way tells nothing of the mounting (`gtravel=10`)", [HEIGHT, "gtravel=10"], True),
+    ("points may be below the ground (`below=1e9`)", [HEIGHT, "below=1e9"], True),
+    ("the same, people not removed", [HEIGHT, "below=1e9"], False),
     ("every second frame (`stride=2`)", [HEIGHT, "stride=2"], True),
     ("lengths between keyframes given, no ground", [], True),
 ]

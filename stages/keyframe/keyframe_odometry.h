@@ -38,17 +38,17 @@ struct KeyframeOdometryOptions {
   double mature_px = 3;           ///< uncertainty of the predicted pixel up to which a point is looked for there alone
   double new_patch_ratio = 1.25;  ///< change of size from which on the patch is taken anew
   int max_misses = 4;
-  int min_tracked = 20;          ///< fewer points than this are no pose
-  double min_agreement = 0.4;    ///< share of the points that a pose has to explain
-  int lost_after = 5;            ///< frames without a pose until the map is begun anew
-  int lost_after_standing = 50;  ///< the same where the camera stood: a lorry that passes is not a new world
-  double farthest_below = 2;  ///< distances of the ground along its ray: a point farther than that goes with the camera
+  int min_tracked = 20;            ///< fewer points than this are no pose
+  double min_agreement = 0.4;      ///< share of the points that a pose has to explain
+  int lost_after = 5;              ///< frames without a pose until the map is begun anew
+  int lost_after_standing = 50;    ///< the same where the camera stood: a lorry that passes is not a new world
+  double farthest_below = 2;       ///< distances of the ground: what is farther in its direction goes with the camera
   double sure_of_ground = 0.1;     ///< standard deviation of the logarithm of scale up to which the ground is believed
   double ground_slack_rad = 0.06;  ///< by so much the ground may fall ahead
   double keyframe_px = 25;         ///< median motion since the last keyframe that makes one
   double keyframe_share = 0.6;     ///< or fewer points than this share of the last keyframe's are left
   double start_parallax_px = 1.5;
-  double drift_factor = 4;  ///< of what a generation of points adds to the pose's covariance
+  double drift_factor = 2.8;  ///< of what a generation of points adds to the pose's covariance
   SystematicErrors systematic;
   double unknown_log_sigma = 1;  ///< of the logarithm of a length that nothing told
 };
