@@ -21,14 +21,14 @@ class CarriedAlong {
     for (float& v : votes_) v *= kFade;
   }
   /// A point at this pixel seemed to be below the ground.
-  void add(float x, float y) { votes_[static_cast<std::size_t>(row(y) * kColumns + column(x))] += 1; }
+  void add(float x, float y) { votes_[cell(row(y), column(x))] += 1; }
 
   /// What is carried along stands on the ground, but may reach above the horizon, where a single point tells nothing:
   /// the cells up to two above one that is full count, too.
   bool holds(float x, float y) const {
     const int last = std::min(row(y) + kUpwards, kRows - 1);
     for (int r = row(y); r <= last; ++r)
-      if (votes_[static_cast<std::size_t>(r * kColumns + column(x))] >= kEnough) return true;
+      if (votes_[cell(r, column(x))] >= kEnough) return true;
     return false;
   }
 
@@ -38,6 +38,10 @@ class CarriedAlong {
 
   static int place(float at, int size, int cells) {
     return std::clamp(static_cast<int>(at * static_cast<float>(cells) / static_cast<float>(size)), 0, cells - 1);
+  }
+  static std::size_t cell(int row, int column) {
+    const int place = row * kColumns + column;
+    return static_cast<std::size_t>(place);
   }
   int column(float x) const { return place(x, width_, kColumns); }
   int row(float y) const { return place(y, height_, kRows); }
