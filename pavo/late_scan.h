@@ -11,11 +11,12 @@
 
 namespace pavo {
 
-/// Const-callable by any number of threads, as the scan is. `scanned`: whether the detections are this frame's.
+/// Const-callable by any number of threads, as the scan is. `scanned`: whether the detections are this frame's. Whose
+/// turn it is goes by the order of admission, which is the same on every run; frames that are late lose theirs.
 struct ScanUnlessLate {
   using Scratch = ScanPeople::Scratch;
   ScanPeople scan;
-  bool sizes_in_turn;
+  bool sizes_in_turn;  ///< false: all of them in each frame
 
   void operator()(const FrameInfo& info, const Image& image, Detections& detections, bool& scanned,
                   Scratch& scratch) const {

@@ -2,8 +2,8 @@
 // seed; the normalised estimation error squared (NEES; Bar-Shalom, Li and Kirubarajan, 2001, 5.4) of every frame,
 // averaged over the drives, against the band in which 95 % of such averages lie.
 //
-//   bench_consistency [--runs 50] [--frames 100] [--size 640x192] [--people] [--truth-lengths] [--every N] [--dump
-//   FILE] [FOLDER...]
+//   bench_consistency [--runs 50] [--first-seed 1] [--frames 100] [--size 640x192] [--people] [--truth-lengths]
+//                     [--every N] [--dump FILE] [FOLDER...]
 //
 // A folder (KITTI's layout, with ground truth) is a run of its own, instead of the synthetic ones.
 #include <Eigen/Cholesky>
@@ -26,7 +26,7 @@ namespace pavo::bench {
 namespace {
 
 struct Call {
-  int runs = 50, frames = 100, width = 640, height = 192, every = 10;
+  int runs = 50, frames = 100, width = 640, height = 192, every = 10, first_seed = 1;
   bool people = false, truth_lengths = false;
   std::string dump;
   std::vector<std::string> folders;
@@ -70,7 +70,7 @@ Run drive(Sequence& sequence, const Call& call) {
 std::vector<Run> drive_all(const Call& call) {
   std::vector<Run> runs;
   for (const std::string& folder : call.folders) runs.push_back(drive(*open_sequence(folder), call));
-  for (int seed = 1; call.folders.empty() && seed <= call.runs; ++seed) {
+  for (int seed = call.first_seed; call.folders.empty() && seed < call.first_seed + call.runs; ++seed) {
     SyntheticOptions street;
     street.seed = static_cast<std::uint64_t>(seed);
     street.frames = call.frames;
@@ -143,6 +143,8 @@ int run(int argc, char** argv) {
       call.frames = std::atoi(value().c_str());
     else if (word == "--every")
       call.every = std::max(1, std::atoi(value().c_str()));
+    else if (word == "--first-seed")
+      call.first_seed = std::atoi(value().c_str());
     else if (word == "--size")
       std::sscanf(value().c_str(), "%dx%d", &call.width, &call.height);
     else if (word == "--people")

@@ -6,14 +6,16 @@
 
 #include <algorithm>
 #include <array>
-#include <cstddef>
+
+#include "stages/pose/picture_cells.h"
 
 namespace pavo {
 
-/// Votes in a coarse grid of cells over the picture. One caller at a time; allocates nothing.
+/// Votes in the cells of a coarse grid; x and y are pixels. One caller at a time; allocates nothing.
 class CarriedAlong {
  public:
-  CarriedAlong(int width, int height) : width_(width), height_(height) {}
+  /// Over a picture of width x height px.
+  CarriedAlong(int width, int height) : cells_{width, height} {}
 
   void forget() { votes_.fill(0); }
   /// The next frame.
@@ -21,33 +23,23 @@ class CarriedAlong {
     for (float& v : votes_) v *= kFade;
   }
   /// A point at this pixel seemed to be below the ground.
-  void add(float x, float y) { votes_[cell(row(y), column(x))] += 1; }
+  void add(float x, float y) { votes_[cells_.index_of(x, y)] += 1; }
 
   /// What is carried along stands on the ground, but may reach above the horizon, where a single point tells nothing:
   /// the cells up to two above one that is full count, too.
   bool holds(float x, float y) const {
-    const int last = std::min(row(y) + kUpwards, kRows - 1);
-    for (int r = row(y); r <= last; ++r)
-      if (votes_[cell(r, column(x))] >= kEnough) return true;
+    const int row = cells_.row(y), last = std::min(row + kUpwards, PictureCells::kRows - 1);
+    for (int r = row; r <= last; ++r)
+      if (votes_[PictureCells::index(r, cells_.column(x))] >= kEnough) return true;
     return false;
   }
 
  private:
-  static constexpr int kColumns = 16, kRows = 8, kUpwards = 2;
+  static constexpr int kUpwards = 2;
   static constexpr float kFade = 0.93f, kEnough = 1.5f;
 
-  static int place(float at, int size, int cells) {
-    return std::clamp(static_cast<int>(at * static_cast<float>(cells) / static_cast<float>(size)), 0, cells - 1);
-  }
-  static std::size_t cell(int row, int column) {
-    const int place = row * kColumns + column;
-    return static_cast<std::size_t>(place);
-  }
-  int column(float x) const { return place(x, width_, kColumns); }
-  int row(float y) const { return place(y, height_, kRows); }
-
-  int width_, height_;
-  std::array<float, kColumns * kRows> votes_{};
+  PictureCells cells_;
+  std::array<float, PictureCells::kCount> votes_{};
 };
 
 }  // namespace pavo

@@ -86,7 +86,9 @@ struct MapUpdate {
   /// Variance of the logarithm of the scale's error (negative: no more is known than before), and all that ever came to
   /// it anew.
   double scale_variance = -1, scale_walk = 0;
-  std::optional<Eigen::Vector3d> ground;  ///< m of the plane below the camera (ground_plane.h), where that was seen
+  /// m of the plane below the camera (ground_plane.h), in the camera's frame and this update's lengths, where it was
+  /// seen.
+  std::optional<Eigen::Vector3d> ground;
   std::vector<Point> points;
   std::vector<KeyframePose> window;  ///< all that were adjusted, the oldest first
 

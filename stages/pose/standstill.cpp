@@ -5,6 +5,8 @@
 #include <array>
 #include <cstddef>
 
+#include "stages/pose/picture_cells.h"
+
 namespace pavo {
 namespace {
 
@@ -27,25 +29,16 @@ Flow flow_of(const PointPair& pair, const Camera& camera) {
 // How much of the picture each pair stands for: its share of the pairs in its cell.
 class Coverage {
  public:
-  Coverage(std::span<const PointPair> pairs, const Camera& camera) : camera_(camera) {
+  Coverage(std::span<const PointPair> pairs, const Camera& camera) : cells_{camera.width, camera.height} {
     for (const PointPair& pair : pairs) occupied_ += ++pairs_in_[cell_of(pair)] == 1;
   }
   double of(const PointPair& pair) const { return 1.0 / (pairs_in_[cell_of(pair)] * occupied_); }
 
  private:
-  static constexpr int kColumns = 16, kRows = 8;
-  std::size_t cell_of(const PointPair& pair) const {
-    const auto place = [](float at, int size, int cells) {
-      return std::clamp(static_cast<int>(at * static_cast<float>(cells) / static_cast<float>(size)), 0, cells - 1);
-    };
-    const int row = place(pair.y_current, camera_.height, kRows),
-              column = place(pair.x_current, camera_.width, kColumns);
-    const int cell = row * kColumns + column;
-    return static_cast<std::size_t>(cell);
-  }
+  std::size_t cell_of(const PointPair& pair) const { return cells_.index_of(pair.x_current, pair.y_current); }
 
-  const Camera& camera_;
-  std::array<int, kColumns * kRows> pairs_in_{};
+  PictureCells cells_;
+  std::array<int, PictureCells::kCount> pairs_in_{};
   double occupied_ = 0;
 };
 
