@@ -35,6 +35,7 @@ void check(const SyntheticOptions& o) {
   in_range("rate_hz", o.rate_hz, 0.1, 1000.0);
   in_range("speed_mps", o.speed_mps, 0.0, 40.0);
   in_range("speed_mps / rate_hz (metres a frame)", o.speed_mps / o.rate_hz, 0.0, 20.0);
+  in_range(o.loop ? "hills_m (a loop is level)" : "hills_m", o.hills_m, 0.0, o.loop ? 0.0 : 5.0);
   in_range("width", o.width, 16, 8192);
   in_range("height", o.height, 16, 8192);
   if (o.fx != 0) in_range("fx (0: KITTI's, scaled)", o.fx, 5.0, 20000.0);

@@ -22,6 +22,7 @@ struct SyntheticOptions {
   double rate_hz = 10;     ///< of the camera
   double speed_mps = 8;    ///< of the camera along the street, 0 to 40; 0.8 m a frame at 10 Hz
   bool loop = false;       ///< true: the street is closed (some 440 m) and driven round for as many frames as asked
+  double hills_m = 0;      ///< the street rises by so much within 90 m, falls, and rises again; 0 to 5; no loop does
   std::vector<Standstill> standstills;  ///< in rising order, apart from each other
 
   int width = 1226, height = 370;  ///< 16 to 8192

@@ -48,7 +48,7 @@ struct Part {
 
 /// A dark, soft ellipse on the ground where something stands.
 struct GroundShade {
-  Eigen::Vector2d place{0, 0};  ///< x, z
+  Eigen::Vector3d place{0, 0, 0};
   Eigen::Vector2d along{0, 1};  ///< unit
   float length = 1, width = 1;  ///< half axes, m
   float strength = 0.5F;        ///< in its middle, 0 to 1

@@ -10,7 +10,7 @@ namespace pavo::synthetic {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kRunUp = 40, kProspect = 180, kTurnRadius = 15, kLane = 1.4;
+constexpr double kRunUp = 40, kProspect = 180, kTurnRadius = 15, kLane = 1.4, kHills = 180;
 
 }  // namespace
 
@@ -38,7 +38,7 @@ void Path::add_leg(double length, float bend_rad) {
   add(straight, 0);
 }
 
-Path::Path(std::uint32_t seed, double distance, bool loop) {
+Path::Path(std::uint32_t seed, double distance, bool loop, double hills_m) : hills_m_(hills_m) {
   Random random(hash(seed, 1));
   const double turn = kPi / 2 * kTurnRadius;
   if (loop) {
@@ -76,6 +76,18 @@ double Path::curvature(double s) const {
   return piece(s).curvature;
 }
 
+double Path::height(double s) const {
+  return hills_m_ / 2 * (1 - std::cos(2 * kPi / kHills * s));
+}
+
+double Path::slope(double s) const {
+  return hills_m_ * kPi / kHills * std::sin(2 * kPi / kHills * s);
+}
+
+double Path::steepest() const {
+  return hills_m_ * kPi / kHills;
+}
+
 PathPoint Path::at(double s, double l) const {
   const PathPiece& p = piece(s);
   const double ds = s - p.s;
@@ -96,7 +108,7 @@ double Drive::length(const SyntheticOptions& options) {
 }
 
 Drive::Drive(const SyntheticOptions& options, std::uint32_t seed)
-    : path_(seed, length(options), options.loop),
+    : path_(seed, length(options), options.loop, options.hills_m),
       rate_hz_(options.rate_hz),
       height_m_(options.camera_height_m),
       pitch_rad_(options.pitch_rad) {
@@ -138,14 +150,19 @@ SE3 Drive::T_street_camera(int frame) const {
   }
   const Eigen::Vector2d ahead = (behind - before).normalized();
   place /= 2 * kSamples + 1;
-  const double pitch = pitch_rad_ + 0.003 * std::sin(0.9 * s0 + phase_[2]) + 0.001 * std::sin(2.1 * s0 + phase_[3]);
+  const double rise = std::atan(path_.slope(s0));
+  const double pitch =
+      rise + pitch_rad_ + 0.003 * std::sin(0.9 * s0 + phase_[2]) + 0.001 * std::sin(2.1 * s0 + phase_[3]);
   const double roll = 0.004 * std::sin(0.57 * s0 + phase_[4]) + 0.002 * std::sin(1.7 * s0 + phase_[0]);
   const double bob = 0.012 * std::sin(0.8 * s0 + phase_[5]) + 0.006 * std::sin(1.9 * s0 + phase_[1]);
   Eigen::Matrix3d yaw, nod, tilt;
   yaw << ahead.y(), 0, ahead.x(), 0, 1, 0, -ahead.x(), 0, ahead.y();
   nod << 1, 0, 0, 0, std::cos(pitch), -std::sin(pitch), 0, std::sin(pitch), std::cos(pitch);
   tilt << std::cos(roll), -std::sin(roll), 0, std::sin(roll), std::cos(roll), 0, 0, 0, 1;
-  return {yaw * nod * tilt, {place.x(), -height_m_ + bob, place.y()}};
+  // Over the road's own upright, which leans back where it rises.
+  const double up = height_m_ - bob, back = up * std::sin(rise);
+  return {yaw * nod * tilt,
+          {place.x() - back * ahead.x(), -path_.height(s0) - up * std::cos(rise), place.y() - back * ahead.y()}};
 }
 
 }  // namespace pavo::synthetic

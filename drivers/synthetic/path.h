@@ -1,7 +1,7 @@
 // The street's centre line, and how the camera drives along it.
 //
-// Frame "street": x and z on the ground, y down, the road at y = 0; right-handed as a camera's. Along the centre line
-// a place is (s, l): s metres along, l metres to the right.
+// Frame "street": x and z horizontal, y down, the road at y = -height(s); right-handed as a camera's. Along the centre
+// line a place is (s, l): s metres along, l metres to the right.
 #pragma once
 
 #include <Eigen/Core>
@@ -27,7 +27,7 @@ class Path {
  public:
   /// An open path for a drive of `distance` metres, with a run-up before s = 0 and a prospect behind its end; or a
   /// loop.
-  Path(std::uint32_t seed, double distance, bool loop);
+  Path(std::uint32_t seed, double distance, bool loop, double hills_m = 0);
 
   double begin() const { return pieces_.front().s; }
   double end() const { return pieces_.back().s + pieces_.back().length; }
@@ -36,6 +36,11 @@ class Path {
   /// Curvature at s; a loop takes any s, an open path goes straight on beyond its ends.
   double curvature(double s) const;
   PathPoint at(double s, double l) const;
+  /// Of the road over where it is at s = 0, and how it rises there per metre. Level across the street.
+  double height(double s) const;
+  double slope(double s) const;
+  double steepest() const;  ///< slope anywhere
+  bool is_level() const { return hills_m_ == 0; }
   /// s, on a loop brought into [begin, end).
   double wrap(double s) const;
 
@@ -46,6 +51,7 @@ class Path {
 
   std::vector<PathPiece> pieces_;
   bool loop_ = false;
+  double hills_m_ = 0;
 };
 
 /// The camera's way: distance driven and pose of every frame.

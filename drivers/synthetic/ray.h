@@ -7,8 +7,6 @@ namespace pavo::synthetic {
 
 enum : std::uint32_t { kSky, kRoad, kKerbFace, kSidewalk, kField, kNothing, kFirstPart = 16 };
 
-constexpr float kFarthest = 300;  ///< depth at which the ground becomes the sky
-
 inline std::uint32_t part_id(std::uint32_t part, int face) {
   return kFirstPart + 16 * part + static_cast<std::uint32_t>(face);
 }

@@ -58,16 +58,14 @@ void Renderer::render(int frame, std::uint8_t* pixels) {
 
 Renderer::Hit Renderer::trace_ground(const Scene& scene, const Eigen::Vector3f& d, int& hint) const {
   constexpr auto kEdge = static_cast<float>(kKerb), kStreet = static_cast<float>(kKerb + 5.45);
-  const auto eye = static_cast<float>(-scene.eye.y());
-  if (d.y() < 1e-5F) return {kFarthest, kSky};
-  const float high = (eye - static_cast<float>(kKerbHeight)) / d.y();
+  const float high = scene.depth_of_ground(d, static_cast<float>(kKerbHeight), hint);
   if (high > kFarthest) return {kFarthest, kSky};
   const Eigen::Vector2f flat(d.x(), d.z());
   const Located up = scene.locate(high * flat, hint);
   hint = up.piece;
   if (std::abs(up.l) > kStreet) return {high, kField};
   if (std::abs(up.l) > kEdge) return {high, kSidewalk};
-  const float low = eye / d.y();
+  const float low = scene.depth_of_ground(d, 0, hint);
   const Located down = scene.locate(low * flat, hint);
   if (std::abs(down.l) <= kEdge) return {low, kRoad};
   // through the top of the kerb's face, and out of it: where it crosses, by two steps of the secant

@@ -37,6 +37,7 @@ void add_pieces(const Path& path, double s, const Eigen::Vector3d& eye, std::vec
     v.curvature = static_cast<float>(p.curvature);
     v.length = static_cast<float>(p.length);
     if (p.curvature != 0) v.centre = (Eigen::Vector2d(p.x, p.z) + right / p.curvature - at).cast<float>();
+    v.s = p.s;
     v.texture_s = static_cast<float>(std::fmod(p.s + 100 * kGroundPeriod, kGroundPeriod));
     pieces.push_back(v);
   }
@@ -51,7 +52,7 @@ void add_people(const World& world, int frame, Scene& scene) {
     build_body(look, stride, static_cast<int>(scene.people.size()), world.wardrobe, scene.bodies);
     person.last = scene.bodies.size();
     scene.people.push_back(person);
-    scene.shades.push_back({{stride.feet.x(), stride.feet.z()}, {0, 1}, 0.3F, 0.3F, 0.55F});
+    scene.shades.push_back({stride.feet, {0, 1}, 0.3F, 0.3F, 0.55F});
   }
 }
 
@@ -104,11 +105,11 @@ void sort_shades(const RayTable& rays, Scene& scene) {
   for (auto& list : scene.tile_shades) list.clear();
   for (std::size_t i = 0; i < scene.shades.size(); ++i) {
     GroundShade& shade = scene.shades[i];
-    shade.place -= Eigen::Vector2d(scene.eye.x(), scene.eye.z());
+    shade.place -= scene.eye;
     const float reach = 1.5F * std::max(shade.length, shade.width);
     Part disc;
     disc.shape = Shape::ellipsoid;
-    disc.origin = scene.eye + Eigen::Vector3d(shade.place.x(), -scene.eye.y(), shade.place.y());
+    disc.origin = scene.eye + shade.place;
     disc.to_local = Eigen::Vector3f(1 / reach, 5, 1 / reach).asDiagonal();
     ViewPart view = place(disc, scene.eye, scene.R);
     if (!frame_part(rays, scene, view)) continue;
@@ -197,6 +198,54 @@ Located Scene::locate(const Eigen::Vector2f& p, int hint) const {
   return best;
 }
 
+Lane Scene::lane(const Located& at, const Eigen::Vector2f& p) const {
+  const ViewPiece& piece = pieces[static_cast<std::size_t>(at.piece)];
+  Lane lane;
+  lane.along = piece.start_along;
+  lane.s = (p - piece.start).dot(lane.along);
+  if (piece.curvature != 0) {
+    const float sign = piece.curvature > 0 ? 1.0F : -1.0F;
+    const Eigen::Vector2f q = p - piece.centre, right(lane.along.y(), -lane.along.x());
+    const float turn = std::atan2(q.dot(lane.along), -sign * q.dot(right));
+    lane.s = turn / std::abs(piece.curvature);
+    lane.along = std::cos(turn) * lane.along + sign * std::sin(turn) * right;
+    lane.stretch = 1 / std::max(1 - piece.curvature * at.l, 0.1F);
+  }
+  lane.right = {lane.along.y(), -lane.along.x()};
+  return lane;
+}
+
+// Steps that can not pass through: nowhere does the ground rise faster than kSteep allows.
+float Scene::depth_of_ground(const Eigen::Vector3f& ray, float up, int& hint) const {
+  constexpr float kNever = 1e9F, kNear = 1e-4F;
+  const auto over = static_cast<float>(-eye.y()) - up;
+  if (path->is_level()) return ray.y() < 1e-5F ? kNever : over / ray.y();
+  constexpr int kMostSteps = 60;
+  const Eigen::Vector2f flat(ray.x(), ray.z());
+  const float fastest = ray.y() + 1.5F * static_cast<float>(path->steepest()) * flat.norm();
+  if (fastest < 1e-5F) return kNever;
+  float t = 0;
+  for (int i = 0; i < kMostSteps && t < kFarthest; ++i) {
+    const Eigen::Vector2f p = t * flat;
+    const Located at = locate(p, hint);
+    hint = at.piece;
+    const double s =
+        at.piece < 0 ? 0 : pieces[static_cast<std::size_t>(at.piece)].s + static_cast<double>(lane(at, p).s);
+    const float left = over - t * ray.y() - static_cast<float>(path->height(s));
+    if (left < kNear) break;
+    t += left / fastest;
+  }
+  return t;
+}
+
+Eigen::Vector3f Scene::ground_normal(const Located& at, const Eigen::Vector2f& p) const {
+  if (path->is_level() || at.piece < 0) return {0, 1, 0};
+  const Lane here = lane(at, p);
+  const double s = pieces[static_cast<std::size_t>(at.piece)].s + static_cast<double>(here.s);
+  const Eigen::Vector2f rise = static_cast<float>(path->slope(s)) * here.stretch * here.along;
+  return {rise.x(), 1, rise.y()};
+}
+
 World::World(const SyntheticOptions& options, const Camera& camera)
     : drive(options, fold(options.seed)),
       street(drive.path(), fold(options.seed), static_cast<float>(7.0 / camera.fx), options.threads),
@@ -213,6 +262,7 @@ float light_on(const Eigen::Vector3f& normal, const Eigen::Vector3f& sun) {
 
 void compose(const World& world, const RayTable& rays, int frame, Scene& scene) {
   const SE3 T = world.drive.T_street_camera(frame);
+  scene.path = &world.drive.path();
   scene.eye = T.t;
   scene.R = T.R.cast<float>();
   scene.parts.clear();

@@ -40,7 +40,15 @@ struct ViewPiece {
   Eigen::Vector2f start, start_along, end, end_along;  ///< x, z
   Eigen::Vector2f centre{0, 0};
   float curvature = 0, length = 0;
-  float texture_s = 0;  ///< s of the start, within the period of the ground's textures
+  double s = 0;         ///< of the start
+  float texture_s = 0;  ///< the same, within the period of the ground's textures
+};
+
+/// The street's directions at one of its points.
+struct Lane {
+  Eigen::Vector2f along, right;
+  float s = 0;        ///< since the piece's start
+  float stretch = 1;  ///< metres along the centre line per metre here
 };
 
 /// Where a point of the ground lies in the street.
@@ -55,9 +63,12 @@ struct VisiblePerson {
   std::size_t first = 0, last = 0;  ///< of Scene::bodies
 };
 
+constexpr float kFarthest = 300;  ///< depth at which the ground becomes the sky
+
 struct Scene {
   static constexpr int kTile = 8;
 
+  const Path* path = nullptr;
   Eigen::Vector3d eye{0, 0, 0};
   Eigen::Matrix3f R = Eigen::Matrix3f::Identity();  ///< camera to street
   std::vector<ViewPart> parts;                      ///< nearest first
@@ -86,6 +97,13 @@ struct Scene {
     return thin;
   }
   Located locate(const Eigen::Vector2f& p, int hint) const;
+  /// At a point that was located there; at.piece >= 0.
+  Lane lane(const Located& at, const Eigen::Vector2f& p) const;
+  /// How far a ray from the eye is from where the ground, made `up` metres higher, is: its depth; beyond kFarthest:
+  /// it does not meet it.
+  float depth_of_ground(const Eigen::Vector3f& ray, float up, int& hint) const;
+  /// The upright of the ground there, down, not normalised.
+  Eigen::Vector3f ground_normal(const Located& at, const Eigen::Vector2f& p) const;
 };
 
 /// The world without a camera's moment: immutable, shared by all threads.

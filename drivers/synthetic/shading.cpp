@@ -20,10 +20,17 @@ float hazy(float value, float depth) {
   return kHaze + clear * (value - kHaze);
 }
 
-/// How a hit on the plane at height 0 of `o + t d` moves when the direction changes by dd; `up` names the axis.
+/// How a hit on a plane moves when the direction changes by dd: the plane with this normal, or across that axis.
+Vector3f slide(const Vector3f& d, float t, const Vector3f& dd, const Vector3f& normal) {
+  return t * dd - (t * dd.dot(normal) / d.dot(normal)) * d;
+}
 template <int kAxis>
 Vector3f slide(const Vector3f& d, float t, const Vector3f& dd) {
   return t * dd - (t * dd(kAxis) / d(kAxis)) * d;
+}
+
+Vector2f flat(const Vector3f& p) {
+  return {p.x(), p.z()};
 }
 
 /// How bright the ground is under what stands on it.
@@ -31,40 +38,12 @@ float open_to_the_sky(const Scene& scene, std::size_t tile, const Vector2f& p) {
   float light = 1;
   for (const std::uint16_t i : scene.tile_shades[tile]) {
     const GroundShade& shade = scene.shades[i];
-    const Vector2f q = p - shade.place.cast<float>(), along = shade.along.cast<float>();
+    const Vector2f q = p - flat(shade.place.cast<float>()), along = shade.along.cast<float>();
     const float a = q.dot(along) / shade.length, b = (q.x() * along.y() - q.y() * along.x()) / shade.width;
     const float rest = 1 - (a * a * a * a + b * b * b * b) / 4;
     if (rest > 0) light *= 1 - shade.strength * rest * rest * rest;
   }
   return light;
-}
-
-Vector2f flat(const Vector3f& p) {
-  return {p.x(), p.z()};
-}
-
-/// The street's directions at one of its points.
-struct Lane {
-  Vector2f along, right;
-  float s = 0;        ///< within the period of the textures
-  float stretch = 1;  ///< metres along the centre line per metre here
-};
-
-Lane lane_at(const ViewPiece& piece, const Vector2f& p, float l) {
-  Lane lane;
-  lane.along = piece.start_along;
-  lane.s = (p - piece.start).dot(lane.along);
-  if (piece.curvature != 0) {
-    const float sign = piece.curvature > 0 ? 1.0F : -1.0F;
-    const Vector2f q = p - piece.centre, right(lane.along.y(), -lane.along.x());
-    const float turn = std::atan2(q.dot(lane.along), -sign * q.dot(right));
-    lane.s = turn / std::abs(piece.curvature);
-    lane.along = std::cos(turn) * lane.along + sign * std::sin(turn) * right;
-    lane.stretch = 1 / std::max(1 - piece.curvature * l, 0.1F);
-  }
-  lane.s += piece.texture_s;
-  lane.right = {lane.along.y(), -lane.along.x()};
-  return lane;
 }
 
 /// What lies behind the houses: its texture is laid out in the world's x and z.
@@ -97,20 +76,24 @@ float Renderer::shade_sky(const Ray& ray) const {
 float Renderer::shade_ground(const Ray& ray, Hit hit, std::size_t tile, int& hint) const {
   const Scene& scene = *ray.scene;
   const Surfaces& surfaces = world_.street.surfaces();
-  const auto eye = static_cast<float>(-scene.eye.y());
   const Vector3f d = ray.in(scene.R), dx = Ray::change(scene.R, ray.dx), dy = Ray::change(scene.R, ray.dy);
   const bool road = hit.id == kRoad, kerb = hit.id == kKerbFace;
   float t = hit.t;
-  if (!kerb && d.y() > 1e-5F) t = (eye - (road ? 0 : static_cast<float>(kKerbHeight))) / d.y();
+  if (!kerb) {
+    const float beside = scene.depth_of_ground(d, road ? 0 : static_cast<float>(kKerbHeight), hint);
+    if (beside < kFarthest) t = beside;
+  }
   const Vector2f p(t * d.x(), t * d.z());
-  const Vector2f px = flat(slide<1>(d, t, dx)), py = flat(slide<1>(d, t, dy));
   const Located at = scene.locate(p, hint);
+  const Vector3f normal = scene.ground_normal(at, p);
+  const Vector2f px = flat(slide(d, t, dx, normal)), py = flat(slide(d, t, dy, normal));
   const float shadow = kerb ? 1 : open_to_the_sky(scene, tile, p);
   if (hit.id == kField || at.piece < 0) return hazy(shadow * sample_field(surfaces.field, scene.eye, p, px, py), t);
 
-  const Lane lane = lane_at(scene.pieces[static_cast<std::size_t>(at.piece)], p, at.l);
+  const Lane lane = scene.lane(at, p);
   const Surface& surface = road ? surfaces.road : surfaces.sidewalk[at.l > 0];
-  const float ku = surface.texels_u(), kv = surface.texels_v(), u = lane.s * ku;
+  const float ku = surface.texels_u(), kv = surface.texels_v(),
+              u = (lane.s + scene.pieces[static_cast<std::size_t>(at.piece)].texture_s) * ku;
   if (kerb) {  // the kerb stone's own texture, in the shade
     const Footprint footprint{t * ray.pixel() * ku, 0, 0, t * ray.pixel() * kv};
     return hazy(0.72F * surface.texture.sample(u, 0.08F * kv, footprint) / 255, t);

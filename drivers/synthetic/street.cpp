@@ -107,10 +107,14 @@ class Street::Builder {
 
   Vector3d point(double s, double l, double up) const {
     const PathPoint p = street_.path_.at(s, l);
-    return {p.x, -up, p.z};
+    return {p.x, -lift_ - up, p.z};
   }
 
-  void begin(double s0, double s1) { thing_ = {s0, s1, street_.parts_.size(), 0, street_.shades_.size(), 0}; }
+  /// What stands on a slope does so as level as elsewhere, from its lowest place up.
+  void begin(double s0, double s1) {
+    thing_ = {s0, s1, street_.parts_.size(), 0, street_.shades_.size(), 0};
+    lift_ = std::min(street_.path_.height(s0), street_.path_.height(s1));
+  }
   void end() {
     thing_.parts = street_.parts_.size() - thing_.part;
     thing_.shades = street_.shades_.size() - thing_.shade;
@@ -205,8 +209,7 @@ class Street::Builder {
   }
 
   void shade(const Vector3d& place, double heading, float length, float width, float strength) {
-    street_.shades_.push_back(
-        {{place.x(), place.z()}, {std::sin(heading), std::cos(heading)}, length, width, strength});
+    street_.shades_.push_back({place, {std::sin(heading), std::cos(heading)}, length, width, strength});
   }
 
   void tree(double s, double l) {
@@ -303,6 +306,7 @@ class Street::Builder {
   int side_;
   Random random_;
   Thing thing_;
+  double lift_ = 0;  ///< of the ground under it
   int houses_ = 0, jump_ = 0;
 };
 

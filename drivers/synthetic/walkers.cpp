@@ -23,8 +23,8 @@ Place place_at(const Walker& w, double t) {
   return {w.s0 + w.after * w.speed_mps * (since - duration), w.l1};
 }
 
-double ground_height(double l) {
-  return std::abs(l) > kKerb ? -kKerbHeight : 0;
+double ground_y(const Path& path, double s, double l) {
+  return -path.height(s) - (std::abs(l) > kKerb ? kKerbHeight : 0);
 }
 
 }  // namespace
@@ -106,25 +106,26 @@ bool Walkers::stride(const Walker& w, int frame, const Drive& drive, Stride& out
     const PathPoint p = drive.path().at(s + w.ahead + w.sway * std::sin(rhythm),
                                         drive.lateral(s) + w.beside + w.sway * std::sin(0.5 * rhythm));
     const double l = drive.lateral(s) + w.beside;
-    out = {{p.x, ground_height(l), p.z}, p.heading, rhythm, 1.4};
+    out = {{p.x, ground_y(drive.path(), s + w.ahead, l), p.z}, p.heading, rhythm, 1.4};
     return true;
   }
   const Place now = place_at(w, t);
   if (now.s - s < kNear || now.s - s > kFar) return false;
   // the way is rounded off at its corners: the mean over a second
   Eigen::Vector2d place(0, 0), past(0, 0), future(0, 0);
-  double l = 0;
+  double along = 0, l = 0;
   for (int i = -5; i <= 5; ++i) {
     const Place at = place_at(w, t + 0.1 * i);
     const PathPoint p = drive.path().at(at.s, at.l);
     place += Eigen::Vector2d(p.x, p.z) / 11;
+    along += at.s / 11;
     l += at.l / 11;
     if (i < 0) past += Eigen::Vector2d(p.x, p.z);
     if (i > 0) future += Eigen::Vector2d(p.x, p.z);
   }
   const Eigen::Vector2d ahead = future - past;
   const double heading = std::atan2(ahead.x(), ahead.y());
-  out = {{place.x(), ground_height(l), place.y()},
+  out = {{place.x(), ground_y(drive.path(), along, l), place.y()},
          heading,
          2 * 3.14159265 * w.speed_mps * t / stride_length(w.speed_mps) + w.phase + w.id,
          w.speed_mps};

@@ -73,13 +73,14 @@ const GroundScale::Remembered* GroundScale::choose_reference(const SE3& T_map_ca
 bool GroundScale::vote(const Remembered& current, const Remembered& reference, const SE3& T_ref_cur,
                        const People& people) {
   constexpr double kOther = 0.25;
+  constexpr int kWidest = 10;  // what fits at any scale is no ground
   align_.vote(current.image, reference.image, T_ref_cur, filter_.attitude(), options_.filter.attitude_sigma,
               filter_.height_m(), people, votes_);
   const ScaleVotes::Peak peak = votes_.peak();
   const double scale = ScaleVotes::scale_of(peak.bin);
   const bool believed = filter_.known();
   const double clear = believed ? 1.8 : 1.4, enough = believed ? 0.8 : 0.4;
-  if (peak.votes < enough || peak.votes < clear * peak.second) return false;
+  if (peak.votes < enough || peak.votes < clear * peak.second || peak.width > kWidest) return false;
   if (believed && std::abs(std::log(scale / filter_.metres_per_unit())) < kOther) return false;
   filter_.assume(scale, options_.start_sigma);
   return true;
@@ -145,12 +146,23 @@ void GroundScale::vote_with_others(const Remembered& current, const People& peop
   }
 }
 
+// To where the newest frame is, from the one before. Where the scale is not known, a way has no length.
+void GroundScale::go_on(const SE3& T_map_camera) {
+  const Remembered& before = ring_[(next_ + kRemembered - 2) % kRemembered];
+  double heights = 0;
+  if (filter_.known() && before.frame >= 0 && before.posed)
+    heights = (T_map_camera.t - before.T_map_camera.t).norm() * filter_.metres_per_unit() / filter_.height_m();
+  const double walk = options_.scale_walk * std::sqrt(heights);
+  walked_ += walk * walk;
+  filter_.predict(walk, heights);
+}
+
 GroundLook GroundScale::observe(std::int64_t frame, const ImageView& image, const SE3& T_map_camera,
                                 const People& people) {
   Remembered& current = newest(frame, image);
   current.T_map_camera = T_map_camera;
   current.posed = true;
-  filter_.predict(options_.scale_walk);
+  go_on(T_map_camera);
   if (!filter_.known()) vote_with_others(current, people);
   const Remembered* reference = choose_reference(T_map_camera);
   if (!reference) return {};
@@ -163,7 +175,8 @@ GroundLook GroundScale::step(std::int64_t frame, std::int64_t reference_frame, c
   constexpr double kShortest_m = 1e-3;
   if (expected_m > kShortest_m && filter_.known()) {
     filter_.retarget(expected_m / length);
-    filter_.predict(std::min(1.0, options_.acceleration * seconds * seconds / expected_m));
+    filter_.predict(std::min(1.0, options_.acceleration * seconds * seconds / expected_m),
+                    expected_m / filter_.height_m());
   } else {
     filter_.restart();
   }

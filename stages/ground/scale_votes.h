@@ -19,6 +19,7 @@ class ScaleVotes {
     int bin = 0;
     double votes = 0;
     double second = 0;  ///< the best of those more than kApart bins away
+    int width = 0;      ///< bins that have more than 0.6 of its votes
   };
 
   static double scale_of(int bin) { return std::exp(kStep * (bin - kMiddle)); }
@@ -38,6 +39,7 @@ class ScaleVotes {
     Peak p;
     for (int i = 0; i < kBins; ++i)
       if (at(i) > p.votes) p.votes = at(i), p.bin = i;
+    for (const double v : votes_) p.width += v > 0.6 * p.votes;
     // A wrong pitch goes with a wrong scale: the peak is broad, and its middle is the better guess.
     const int top = p.bin;
     double sum = 0, weights = 0;

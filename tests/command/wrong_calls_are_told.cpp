@@ -115,6 +115,8 @@ TEST_F(WrongCalls, SynthRefusesImpossibleStreets) {
       {{"--height", "10000"}, "height is 10000"},
       {{"--speed", "nan"}, "speed_mps is"},
       {{"--noise", "-1"}, "noise_sigma is -1"},
+      {{"--hills", "6"}, "hills_m is 6, expected 0 to 5"},
+      {{"--hills", "1", "--loop"}, "a loop is level"},
       {{"--density", "9"}, "density is 9"},
       {{"--companions", "31"}, "companions is 31"},
       {{"--lens", "toric"}, "toric"},

@@ -33,6 +33,19 @@ TEST(GroundPlane, DerivativeIsTheNumericOne) {
   EXPECT_LT((numeric - down_derivative(a)).norm(), 1e-8);
 }
 
+// People who go along with the camera look right wherever they are taken to be; ground does not.
+TEST(ScaleVotes, APlateauIsWide) {
+  ScaleVotes ground, people;
+  const int middle = ScaleVotes::bin_of(1.7);
+  for (int i = -10; i <= 10; ++i) {
+    ground.add(middle + i, std::exp(-0.5 * i * i / 9.0));
+    people.add(middle + i, 1 - 0.03 * std::abs(i));
+  }
+  EXPECT_NEAR(ground.peak().width, 7, 1);
+  EXPECT_EQ(people.peak().width, 21);
+  EXPECT_EQ(people.peak().bin, middle);
+}
+
 TEST(ScaleVotes, TheSteadyPeakOutlivesThePassingOnes) {
   ScaleVotes votes;
   for (int look = 0; look < 12; ++look) {

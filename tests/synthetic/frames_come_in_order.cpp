@@ -105,6 +105,8 @@ TEST(SyntheticOptionsCheck, NamesWhatIsWrong) {
   EXPECT_THAT(with([](auto& o) { o.pitch_rad = 2; }), HasSubstr("pitch_rad"));
   EXPECT_THAT(with([](auto& o) { o.camera_height_m = 0; }), HasSubstr("camera_height_m"));
   EXPECT_THAT(with([](auto& o) { o.density = 99; }), HasSubstr("density"));
+  EXPECT_THAT(with([](auto& o) { o.hills_m = 6; }), HasSubstr("hills_m"));
+  EXPECT_THAT(with([](auto& o) { o.hills_m = 1, o.loop = true; }), HasSubstr("hills_m"));
   EXPECT_THAT(with([](auto& o) { o.companions = -1; }), HasSubstr("companions"));
   EXPECT_THAT(with([](auto& o) { o.threads = -1; }), HasSubstr("threads"));
   EXPECT_THAT(with([](auto& o) { o.distortion[2] = std::numeric_limits<double>::infinity(); }),

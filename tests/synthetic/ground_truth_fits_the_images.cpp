@@ -85,6 +85,50 @@ TEST(SyntheticGroundTruth, TurnsOnceByARightAngleInTheDemo) {
   }
 }
 
+TEST(SyntheticGroundTruth, CarriesTheRoadOverHills) {
+  constexpr std::size_t kFrames = 57, kFirst = 52;
+  SyntheticOptions options = empty_street(kFrames);
+  options.hills_m = 4;
+  SyntheticStreet street(options);
+  const auto& T = street.info().groundtruth->T_w_c;
+  double highest = 0;
+  for (const SE3& pose : T) highest = std::max(highest, -pose.t.dot(street.road_normal()));
+  EXPECT_NEAR(highest, 2, 0.4) << "half way to the top";
+
+  // Half way up the road before the camera is even for the 10 m that are looked at, and has another slope than at
+  // the start: what the truth says of both has to carry one frame into the next.
+  for (std::size_t k = 0; k < kFirst; ++k) street.skip();
+  const auto frames = read_all(street);
+  const Camera& camera = *street.info().camera;
+  double right = 0, as_level = 0;
+  int n = 0;
+  for (std::size_t i = 0; i + 1 < frames.size(); ++i) {
+    const std::size_t k = kFirst + i;
+    const SE3 T_k_next = T[k].inverse() * T[k + 1];
+    // The camera keeps its height above the road and looks along it, but for a wobble of some milliradians.
+    const Eigen::Vector3d along_road(0, 1, 0), level = T[k + 1].R.transpose() * street.road_normal();
+    for (int y = 0; y < camera.height; ++y) {
+      for (int x = 0; x < camera.width; ++x) {
+        const Eigen::Vector3d ray = *unproject(camera, {x, y});
+        const auto difference = [&](const Eigen::Vector3d& down, double& sum) {
+          const Eigen::Vector3d point = street.road_height() / down.dot(ray) * ray;
+          if (!(point.z() > 0) || point.z() > 10 || std::abs(point.x()) > 1.5) return false;
+          const Eigen::Vector2d from = project(camera, T_k_next * point);
+          if (!frames[i].covers(from.x(), from.y())) return false;
+          sum += std::abs(frames[i].between(from.x(), from.y()) - frames[i + 1].at(x, y));
+          return true;
+        };
+        double with = 0, without = 0;
+        if (!difference(along_road, with) || !difference(level, without)) continue;
+        right += with, as_level += without, ++n;
+      }
+    }
+  }
+  ASSERT_GT(n, 1000);
+  EXPECT_LT(right / n, 5) << "gray levels";
+  EXPECT_LT(right, 0.8 * as_level);
+}
+
 TEST(SyntheticGroundTruth, ACameraThatStandsStillHasTheSamePoseAndTheSamePicture) {
   SyntheticOptions options = empty_street(7);
   options.standstills = {{3, 2}};

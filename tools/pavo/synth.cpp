@@ -66,6 +66,7 @@ void register_synth(CLI::App& app, int& status) {
   command.add_option("--height", o.height, "of the images (default 370)")->type_name("PX");
   command.add_option("--speed", o.speed_mps, "of the camera (default 8)")->type_name("M/S");
   command.add_option("--density", o.density, "of the passers-by (default 1)")->type_name("FACTOR");
+  command.add_option("--hills", o.hills_m, "the street rises and falls by so much (default 0)")->type_name("M");
   command.add_option("--companions", o.companions, "people who walk along with the camera (default 0)")->type_name("N");
   command.add_option("--noise", o.noise_sigma, "of the sensor, in gray levels (default 1)")->type_name("SIGMA");
   command.add_option("--lens", call->lens, "none, radial-tangential or equidistant")
