@@ -19,6 +19,14 @@ Eigen::Vector3d direction_of(const SE3& T_ref_cur) {
   return (way + T_ref_cur.R.transpose() * way).normalized();
 }
 
+// People who go along look right at every scale that is small enough: what fits so widely, in bins of the votes, may be
+// they. A small or slow picture of an open road is as wide, and right.
+constexpr int kWidest = 10;
+
+bool is_crowd(const People& people) {
+  return people.size() >= 5;
+}
+
 // Where so many looks in a row do not fit, what is believed may be wrong.
 constexpr int kDoubtful = 8;
 
@@ -73,14 +81,14 @@ const GroundScale::Remembered* GroundScale::choose_reference(const SE3& T_map_ca
 bool GroundScale::vote(const Remembered& current, const Remembered& reference, const SE3& T_ref_cur,
                        const People& people) {
   constexpr double kOther = 0.25;
-  constexpr int kWidest = 10;  // what fits at any scale is no ground
   align_.vote(current.image, reference.image, T_ref_cur, filter_.attitude(), options_.filter.attitude_sigma,
               filter_.height_m(), people, votes_);
   const ScaleVotes::Peak peak = votes_.peak();
   const double scale = ScaleVotes::scale_of(peak.bin);
   const bool believed = filter_.known();
   const double clear = believed ? 1.8 : 1.4, enough = believed ? 0.8 : 0.4;
-  if (peak.votes < enough || peak.votes < clear * peak.second || peak.width > kWidest) return false;
+  if (peak.votes < enough || peak.votes < clear * peak.second) return false;
+  if (is_crowd(people) && peak.width > kWidest) return false;
   if (believed && std::abs(std::log(scale / filter_.metres_per_unit())) < kOther) return false;
   filter_.assume(scale, options_.start_sigma);
   return true;
@@ -185,9 +193,9 @@ GroundLook GroundScale::step(std::int64_t frame, std::int64_t reference_frame, c
   return look(*current, *reference, T_reference_current, people);
 }
 
-void GroundScale::rescale(double factor) {
+void GroundScale::rescale(double factor, const Eigen::Vector3d& fixed) {
   filter_.rescale(factor);
-  for (Remembered& r : ring_) r.T_map_camera.t *= factor;
+  for (Remembered& r : ring_) r.T_map_camera.t = fixed + factor * (r.T_map_camera.t - fixed);
 }
 
 void GroundScale::restart() {

@@ -52,8 +52,8 @@ class GroundScale {
   GroundLook step(std::int64_t frame, std::int64_t reference_frame, const SE3& T_reference_current, double expected_m,
                   double seconds, const People& people);
 
-  /// The map was scaled: new coordinates = factor * old ones.
-  void rescale(double factor);
+  /// The map was scaled about a point of it: new coordinates = fixed + factor * (old ones - fixed).
+  void rescale(double factor, const Eigen::Vector3d& fixed);
   /// A new map, in a unit that has nothing to do with the old one's. How the camera is held stays known.
   void restart();
 

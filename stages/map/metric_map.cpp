@@ -68,7 +68,7 @@ double MetricMap::metres_by_ground(const KeyframeRecord& keyframe, const Image& 
   look_at_ground(keyframe.frame, image, map_.newest_pose(), people);
   if (!ground_->known()) return 1;
   const double factor = ground_->metres_per_unit();
-  ground_->rescale(factor);
+  ground_->rescale(factor, map_.newest_pose().t);
   return factor;
 }
 

@@ -230,15 +230,18 @@ GroundScaleOptions scale_options() {
   return options;
 }
 
-// A drive of `frames` steps of `step_m`, mapped in a unit of its own.
-void drive(GroundScale& scale, double units_per_metre, int first, int frames, double step_m, const GroundAttitude& held,
-           const People& people = {}) {
+// A drive of `frames` steps of `step_m`, mapped in a unit of its own, in which it begins at `from`. Returns how many
+// looks were used.
+int drive(GroundScale& scale, double units_per_metre, int first, int frames, double step_m, const GroundAttitude& held,
+          const People& people = {}, const Eigen::Vector3d& from = Eigen::Vector3d::Zero()) {
+  int used = 0;
   for (int i = first; i < first + frames; ++i) {
     const Image image = Road{}.seen_from(on_the_way(i * step_m, held));
     SE3 T = on_the_way(0, held).inverse() * on_the_way(i * step_m, held);
-    T.t *= units_per_metre;
-    scale.observe(i, image.view(), T, people);
+    T.t = from + units_per_metre * T.t;
+    used += scale.observe(i, image.view(), T, people).used;
   }
+  return used;
 }
 
 TEST(GroundScale, FindsTheUnitOfAMapByItself) {
@@ -264,7 +267,7 @@ TEST(GroundScale, HoldsWherePeopleHideTheGround) {
 TEST(GroundScale, FollowsAMapThatIsScaledOrMadeAnew) {
   GroundScale scale(camera(), scale_options());
   drive(scale, 1, 0, 6, 0.6, {});
-  scale.rescale(3);
+  scale.rescale(3, Eigen::Vector3d::Zero());
   EXPECT_NEAR(scale.metres_per_unit() * 3, 1, 0.035);
   drive(scale, 3, 6, 3, 0.6, {});
   EXPECT_NEAR(scale.metres_per_unit() * 3, 1, 0.035);
@@ -273,6 +276,17 @@ TEST(GroundScale, FollowsAMapThatIsScaledOrMadeAnew) {
   drive(scale, 0.5, 9, 6, 0.6, {});
   ASSERT_TRUE(scale.known());
   EXPECT_NEAR(scale.metres_per_unit() * 0.5, 1, 0.035);
+}
+
+// The map is scaled about its newest keyframe, which after a long drive is far from where it began.
+TEST(GroundScale, FollowsAMapThatIsScaledFarFromItsOrigin) {
+  constexpr double kFactor = 1.02;
+  GroundScale scale(camera(), scale_options());
+  const Eigen::Vector3d begin(0, 0, 300), newest = begin + Eigen::Vector3d(0, 0, 5 * 0.6);
+  drive(scale, 1, 0, 6, 0.6, {}, {}, begin);
+  scale.rescale(kFactor, newest);
+  EXPECT_EQ(drive(scale, kFactor, 6, 3, 0.6, {}, {}, newest + kFactor * (begin - newest)), 3);
+  EXPECT_NEAR(scale.metres_per_unit() * kFactor, 1, 0.035);
 }
 
 TEST(GroundScale, MeasuresSingleSteps) {
