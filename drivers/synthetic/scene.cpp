@@ -215,7 +215,7 @@ Lane Scene::lane(const Located& at, const Eigen::Vector2f& p) const {
   return lane;
 }
 
-// Steps that can not pass through: nowhere does the ground rise faster than kSteep allows.
+// Steps that hardly pass through: on the road the ground rises nowhere faster than `fastest` allows for.
 float Scene::depth_of_ground(const Eigen::Vector3f& ray, float up, int& hint) const {
   constexpr float kNever = 1e9F, kNear = 1e-4F;
   const auto over = static_cast<float>(-eye.y()) - up;

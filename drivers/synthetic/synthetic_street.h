@@ -31,7 +31,7 @@ class SyntheticStreet final : public Sequence {
   /// Throws std::out_of_range.
   std::vector<SyntheticPerson> people(int frame) const;
   /// Where the camera stands in the world of the trajectory (its first pose): the road is the plane { p : n . p = h }
-  /// with n its unit normal, down, and h the camera's height above it in frame 0, in metres.
+  /// with n its unit normal, down, and h the camera's height above it in frame 0, in metres. With hills: there only.
   Eigen::Vector3d road_normal() const;
   double road_height() const;
 
