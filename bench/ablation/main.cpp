@@ -148,11 +148,10 @@ void run(const std::string& name, Sequence& sequence, const std::filesystem::pat
     metric.ground->filter.attitude.pitch_rad = get(s, "pitch", 0);
     metric.ground->scale_walk = get(s, "gwalk", metric.ground->scale_walk);
     metric.ground->baseline = get(s, "gbase", metric.ground->baseline);
-    metric.ground->filter.same_ground = get(s, "gsame", metric.ground->filter.same_ground);
+    metric.ground->filter.repetition = get(s, "grep", metric.ground->filter.repetition);
     metric.ground->filter.height_sigma = get(s, "gh", metric.ground->filter.height_sigma);
     metric.ground->filter.slope_sigma = get(s, "gs", metric.ground->filter.slope_sigma);
     metric.ground->filter.travel_sigma = get(s, "gtravel", metric.ground->filter.travel_sigma);
-    metric.ground->filter.start_sigma = get(s, "gstart", metric.ground->filter.start_sigma);
     metric.ground->filter.lever = get(s, "glever", metric.ground->filter.lever);
     scale = std::make_shared<UnknownStep>();
   }

@@ -25,6 +25,11 @@ constexpr std::array<std::array<float, 2>, kSamples> kOffsets{{{-0.4375F, -0.062
                                                                {-0.1875F, 0.1875F},
                                                                {0.1875F, -0.1875F}}};
 
+std::uint32_t beside_road(float l) {
+  constexpr auto kStreet = static_cast<float>(kKerb + 5.45);
+  return std::abs(l) > kStreet ? kField : kSidewalk;
+}
+
 /// About normally distributed, sigma 1: the sum of the four bytes of a hash.
 float sensor_noise(std::uint32_t frame_hash, std::uint32_t pixel) {
   const std::uint32_t h = hash(frame_hash + pixel * 0x9e3779b9U);
@@ -56,20 +61,12 @@ void Renderer::render(int frame, std::uint8_t* pixels) {
   for_rows([&](int y) { shade_row(frame, y, pixels + static_cast<std::ptrdiff_t>(y) * rays_.camera().width); });
 }
 
-Renderer::Hit Renderer::trace_ground(const Scene& scene, const Eigen::Vector3f& d, int& hint) const {
-  constexpr auto kEdge = static_cast<float>(kKerb), kStreet = static_cast<float>(kKerb + 5.45);
-  const float high = scene.depth_of_ground(d, static_cast<float>(kKerbHeight), hint);
-  if (high > kFarthest) return {kFarthest, kSky};
-  const Eigen::Vector2f flat(d.x(), d.z());
-  const Located up = scene.locate(high * flat, hint);
-  hint = up.piece;
-  if (std::abs(up.l) > kStreet) return {high, kField};
-  if (std::abs(up.l) > kEdge) return {high, kSidewalk};
-  const float low = scene.depth_of_ground(d, 0, hint);
-  const Located down = scene.locate(low * flat, hint);
-  if (std::abs(down.l) <= kEdge) return {low, kRoad};
-  // through the top of the kerb's face, and out of it: where it crosses, by two steps of the secant
-  float a = high, la = std::abs(up.l), b = low, lb = std::abs(down.l), t = high;
+// Where a ray goes through the kerb's face, between a point over the road and one over the sidewalk, below its edge:
+// two steps of the secant.
+float Renderer::trace_kerb(const Scene& scene, const Eigen::Vector2f& flat, float a, float la, float b, float lb,
+                           int& hint) const {
+  constexpr auto kEdge = static_cast<float>(kKerb);
+  float t = a;
   for (int i = 0; i < 2; ++i) {
     t = a + (b - a) * (kEdge - la) / (lb - la);
     const float l = std::abs(scene.locate(t * flat, hint).l);
@@ -77,7 +74,48 @@ Renderer::Hit Renderer::trace_ground(const Scene& scene, const Eigen::Vector3f& 
     (l < kEdge ? a : b) = t;
     (l < kEdge ? la : lb) = l;
   }
-  return {t, kKerbFace};
+  return t;
+}
+
+Renderer::Hit Renderer::trace_ground(const Scene& scene, const Eigen::Vector3f& d, int& hint) const {
+  constexpr auto kEdge = static_cast<float>(kKerb), kHigh = static_cast<float>(kKerbHeight);
+  if (!scene.path->is_level()) return trace_hills(scene, d, hint);
+  const float high = scene.depth_of_ground(d, kHigh, 0, hint);
+  if (high > kFarthest) return {kFarthest, kSky};
+  const Eigen::Vector2f flat(d.x(), d.z());
+  const Located up = scene.locate(high * flat, hint);
+  hint = up.piece;
+  if (std::abs(up.l) > kEdge) return {high, beside_road(up.l)};
+  const float low = scene.depth_of_ground(d, 0, 0, hint);
+  const Located down = scene.locate(low * flat, hint);
+  if (std::abs(down.l) <= kEdge) return {low, kRoad};
+  return {trace_kerb(scene, flat, high, std::abs(up.l), low, std::abs(down.l), hint), kKerbFace};
+}
+
+// By steps that are too short to pass through anything. Over a crest a ray may come lower than the kerb's edge and not
+// meet the road.
+Renderer::Hit Renderer::trace_hills(const Scene& scene, const Eigen::Vector3f& d, int& hint) const {
+  constexpr auto kEdge = static_cast<float>(kKerb), kHigh = static_cast<float>(kKerbHeight);
+  constexpr float kNear = 1e-4F, kStep = 0.01F;  // of height: the least that a step is worth
+  constexpr int kMostSteps = 150;
+  const float fastest = scene.descent(d);
+  if (fastest < 1e-5F) return {kFarthest, kSky};
+  const Eigen::Vector2f flat(d.x(), d.z());
+  float t = 0, t_between = -1, l_between = 0;  // where it was between the kerbs last
+  for (int i = 0; i < kMostSteps && t < kFarthest; ++i) {
+    const Above here = scene.above_road(d, t, hint);
+    const float l = std::abs(here.at.l), over_edge = here.height - kHigh;
+    const bool over_road = l <= kEdge;
+    if (over_road ? here.height < kNear : over_edge < kNear) {
+      if (over_road) return {t, kRoad};
+      if (t_between < 0) return {t, beside_road(l)};
+      return {trace_kerb(scene, flat, t_between, l_between, t, l, hint), kKerbFace};
+    }
+    const bool between = over_road && over_edge < 0;
+    t_between = between ? t : -1, l_between = l;
+    t += std::max(between ? here.height : over_edge, kStep) / fastest;
+  }
+  return {kFarthest, kSky};
 }
 
 Renderer::Hit Renderer::trace(const Scene& scene, float x, float y, float pixel,

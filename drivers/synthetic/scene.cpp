@@ -110,7 +110,8 @@ void sort_shades(const RayTable& rays, Scene& scene) {
     Part disc;
     disc.shape = Shape::ellipsoid;
     disc.origin = scene.eye + shade.place;
-    disc.to_local = Eigen::Vector3f(1 / reach, 5, 1 / reach).asDiagonal();
+    const float slack = 0.2F + static_cast<float>(scene.path->steepest()) * (reach + 3);  // it stands level
+    disc.to_local = Eigen::Vector3f(1 / reach, 1 / slack, 1 / reach).asDiagonal();
     ViewPart view = place(disc, scene.eye, scene.R);
     if (!frame_part(rays, scene, view)) continue;
     for (int y = view.y0 / Scene::kTile; y <= view.y1 / Scene::kTile; ++y)
@@ -215,34 +216,46 @@ Lane Scene::lane(const Located& at, const Eigen::Vector2f& p) const {
   return lane;
 }
 
-// Steps that hardly pass through: on the road the ground rises nowhere faster than `fastest` allows for.
-float Scene::depth_of_ground(const Eigen::Vector3f& ray, float up, int& hint) const {
-  constexpr float kNever = 1e9F, kNear = 1e-4F;
-  const auto over = static_cast<float>(-eye.y()) - up;
-  if (path->is_level()) return ray.y() < 1e-5F ? kNever : over / ray.y();
-  constexpr int kMostSteps = 60;
-  const Eigen::Vector2f flat(ray.x(), ray.z());
-  const float fastest = ray.y() + 1.5F * static_cast<float>(path->steepest()) * flat.norm();
+double Scene::s_of(const Located& at, const Eigen::Vector2f& p) const {
+  if (at.piece < 0) return pieces.empty() ? 0 : pieces.back().s + static_cast<double>(pieces.back().length);
+  return pieces[static_cast<std::size_t>(at.piece)].s + static_cast<double>(lane(at, p).s);
+}
+
+Above Scene::above_road(const Eigen::Vector3f& ray, float t, int& hint) const {
+  const Eigen::Vector2f p(t * ray.x(), t * ray.z());
+  Above above;
+  above.at = locate(p, hint);
+  hint = above.at.piece;
+  above.height = static_cast<float>(-eye.y() - path->height(s_of(above.at, p))) - t * ray.y();
+  return above;
+}
+
+// In front of the houses no metre rises faster: on the inside of the turns the street is so much shorter than its
+// centre line.
+float Scene::descent(const Eigen::Vector3f& ray) const {
+  constexpr float kInside = 2.4F;
+  return ray.y() + kInside * static_cast<float>(path->steepest()) * Eigen::Vector2f(ray.x(), ray.z()).norm();
+}
+
+float Scene::depth_of_ground(const Eigen::Vector3f& ray, float up, float from, int& hint) const {
+  constexpr float kNear = 1e-4F;
+  constexpr int kMostSteps = 100;
+  if (path->is_level()) return ray.y() < 1e-5F ? kNever : (static_cast<float>(-eye.y()) - up) / ray.y();
+  const float fastest = descent(ray);
   if (fastest < 1e-5F) return kNever;
-  float t = 0;
+  float t = from;
   for (int i = 0; i < kMostSteps && t < kFarthest; ++i) {
-    const Eigen::Vector2f p = t * flat;
-    const Located at = locate(p, hint);
-    hint = at.piece;
-    const double s =
-        at.piece < 0 ? 0 : pieces[static_cast<std::size_t>(at.piece)].s + static_cast<double>(lane(at, p).s);
-    const float left = over - t * ray.y() - static_cast<float>(path->height(s));
-    if (left < kNear) break;
+    const float left = above_road(ray, t, hint).height - up;
+    if (std::abs(left) < kNear) return t;
     t += left / fastest;
   }
-  return t;
+  return kNever;
 }
 
 Eigen::Vector3f Scene::ground_normal(const Located& at, const Eigen::Vector2f& p) const {
   if (path->is_level() || at.piece < 0) return {0, 1, 0};
   const Lane here = lane(at, p);
-  const double s = pieces[static_cast<std::size_t>(at.piece)].s + static_cast<double>(here.s);
-  const Eigen::Vector2f rise = static_cast<float>(path->slope(s)) * here.stretch * here.along;
+  const Eigen::Vector2f rise = static_cast<float>(path->slope(s_of(at, p))) * here.stretch * here.along;
   return {rise.x(), 1, rise.y()};
 }
 

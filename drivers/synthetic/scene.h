@@ -57,6 +57,12 @@ struct Located {
   float l = 0;
 };
 
+/// A point, and how high above the road's height there it is.
+struct Above {
+  Located at;
+  float height = 0;
+};
+
 struct VisiblePerson {
   int id = 0;
   bool companion = false;
@@ -64,6 +70,7 @@ struct VisiblePerson {
 };
 
 constexpr float kFarthest = 300;  ///< depth at which the ground becomes the sky
+constexpr float kNever = 1e9F;    ///< depth of what is not met
 
 struct Scene {
   static constexpr int kTile = 8;
@@ -99,9 +106,15 @@ struct Scene {
   Located locate(const Eigen::Vector2f& p, int hint) const;
   /// At a point that was located there; at.piece >= 0.
   Lane lane(const Located& at, const Eigen::Vector2f& p) const;
-  /// How far a ray from the eye is from where the ground, made `up` metres higher, is: its depth; beyond kFarthest:
-  /// it does not meet it.
-  float depth_of_ground(const Eigen::Vector3f& ray, float up, int& hint) const;
+  /// Metres along the street; off it, those of the farthest end that is drawn.
+  double s_of(const Located& at, const Eigen::Vector2f& p) const;
+  /// Where the point of a ray from the eye at this depth is.
+  Above above_road(const Eigen::Vector3f& ray, float t, int& hint) const;
+  /// By how much a ray can come nearer to the ground per unit of depth, at most; where it is not positive, it never
+  /// does.
+  float descent(const Eigen::Vector3f& ray) const;
+  /// At which depth, near `from`, a ray meets the surface `up` metres above the road's height; kNever: it does not.
+  float depth_of_ground(const Eigen::Vector3f& ray, float up, float from, int& hint) const;
   /// The upright of the ground there, down, not normalised.
   Eigen::Vector3f ground_normal(const Located& at, const Eigen::Vector2f& p) const;
 };

@@ -20,15 +20,10 @@ float hazy(float value, float depth) {
   return kHaze + clear * (value - kHaze);
 }
 
-/// How a hit on a plane moves when the direction changes by dd: the plane with this normal, or across that axis.
+/// How a hit on a plane with this normal moves when the direction changes by dd.
 Vector3f slide(const Vector3f& d, float t, const Vector3f& dd, const Vector3f& normal) {
   return t * dd - (t * dd.dot(normal) / d.dot(normal)) * d;
 }
-template <int kAxis>
-Vector3f slide(const Vector3f& d, float t, const Vector3f& dd) {
-  return t * dd - (t * dd(kAxis) / d(kAxis)) * d;
-}
-
 Vector2f flat(const Vector3f& p) {
   return {p.x(), p.z()};
 }
@@ -80,12 +75,14 @@ float Renderer::shade_ground(const Ray& ray, Hit hit, std::size_t tile, int& hin
   const bool road = hit.id == kRoad, kerb = hit.id == kKerbFace;
   float t = hit.t;
   if (!kerb) {
-    const float beside = scene.depth_of_ground(d, road ? 0 : static_cast<float>(kKerbHeight), hint);
-    if (beside < kFarthest) t = beside;
+    // This ray is some part of a pixel beside the one that was traced; over a crest it may miss what that met.
+    const float beside = scene.depth_of_ground(d, road ? 0 : static_cast<float>(kKerbHeight), t, hint);
+    if (beside < 1.2F * t) t = beside;
   }
   const Vector2f p(t * d.x(), t * d.z());
   const Located at = scene.locate(p, hint);
-  const Vector3f normal = scene.ground_normal(at, p);
+  Vector3f normal = scene.ground_normal(at, p);
+  if (!(d.dot(normal) > 1e-5F)) normal = d;  // along the ground, on a crest
   const Vector2f px = flat(slide(d, t, dx, normal)), py = flat(slide(d, t, dy, normal));
   const float shadow = kerb ? 1 : open_to_the_sky(scene, tile, p);
   if (hit.id == kField || at.piece < 0) return hazy(shadow * sample_field(surfaces.field, scene.eye, p, px, py), t);
@@ -115,7 +112,8 @@ float Renderer::shade_part(const Ray& ray, Hit hit) const {
   if (part.shape == Shape::quad) {
     t = -view.o.z() / d.z();
     const Vector3f at = view.o + t * d;
-    const Vector3f px = slide<2>(d, t, Ray::change(view.B, ray.dx)), py = slide<2>(d, t, Ray::change(view.B, ray.dy));
+    const Vector3f px = slide(d, t, Ray::change(view.B, ray.dx), Vector3f::UnitZ()),
+                   py = slide(d, t, Ray::change(view.B, ray.dy), Vector3f::UnitZ());
     const float texel = part.texture->sample(
         at.x() * part.texels_u + part.u0, at.y() * part.texels_v + part.v0,
         {px.x() * part.texels_u, px.y() * part.texels_v, py.x() * part.texels_u, py.y() * part.texels_v});

@@ -154,23 +154,12 @@ void GroundScale::vote_with_others(const Remembered& current, const People& peop
   }
 }
 
-// To where the newest frame is, from the one before. Where the scale is not known, a way has no length.
-void GroundScale::go_on(const SE3& T_map_camera) {
-  const Remembered& before = ring_[(next_ + kRemembered - 2) % kRemembered];
-  double heights = 0;
-  if (filter_.known() && before.frame >= 0 && before.posed)
-    heights = (T_map_camera.t - before.T_map_camera.t).norm() * filter_.metres_per_unit() / filter_.height_m();
-  const double walk = options_.scale_walk * std::sqrt(heights);
-  walked_ += walk * walk;
-  filter_.predict(walk, heights);
-}
-
 GroundLook GroundScale::observe(std::int64_t frame, const ImageView& image, const SE3& T_map_camera,
                                 const People& people) {
   Remembered& current = newest(frame, image);
   current.T_map_camera = T_map_camera;
   current.posed = true;
-  go_on(T_map_camera);
+  filter_.predict(options_.scale_walk);
   if (!filter_.known()) vote_with_others(current, people);
   const Remembered* reference = choose_reference(T_map_camera);
   if (!reference) return {};
@@ -183,8 +172,7 @@ GroundLook GroundScale::step(std::int64_t frame, std::int64_t reference_frame, c
   constexpr double kShortest_m = 1e-3;
   if (expected_m > kShortest_m && filter_.known()) {
     filter_.retarget(expected_m / length);
-    filter_.predict(std::min(1.0, options_.acceleration * seconds * seconds / expected_m),
-                    expected_m / filter_.height_m());
+    filter_.predict(std::min(1.0, options_.acceleration * seconds * seconds / expected_m));
   } else {
     filter_.restart();
   }

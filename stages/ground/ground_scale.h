@@ -20,10 +20,10 @@ namespace pavo {
 struct GroundScaleOptions {
   AlignGroundOptions align;
   ScaleFilterOptions filter;
-  double baseline = 1.0;       ///< wanted between the frames of a look, in heights of the camera
-  double scale_walk = 2.6e-3;  ///< of ln(metres per unit) of a map, on a way of one height of the camera
-  double acceleration = 2.5;   ///< m/s^2, by which a step() may differ from the one before
-  double start_sigma = 0.1;    ///< of ln(metres per unit), what the very first look is trusted to
+  double baseline = 1.0;      ///< wanted between the frames of a look, in heights of the camera
+  double scale_walk = 2e-3;   ///< of ln(metres per unit) of a map, from look to look
+  double acceleration = 2.5;  ///< m/s^2, by which a step() may differ from the one before
+  double start_sigma = 0.1;   ///< of ln(metres per unit), what the very first look is trusted to
 };
 
 /// What one frame said.
@@ -61,8 +61,6 @@ class GroundScale {
   double metres_per_unit() const { return filter_.metres_per_unit(); }
   /// Of (ln metres per unit, pitch, roll).
   const Eigen::Matrix3d& covariance() const { return filter_.covariance(); }
-  /// The variance by which its logarithm may have walked, since ever, observe() by observe().
-  double walked() const { return walked_; }
   double sigma() const { return filter_.sigma(); }  ///< standard deviation of its logarithm
   /// Camera to ground, refined. What finds people by the ground can use it.
   GroundAttitude attitude() const { return filter_.attitude(); }
@@ -79,7 +77,6 @@ class GroundScale {
   };
   static constexpr std::size_t kRemembered = 8;
 
-  void go_on(const SE3& T_map_camera);
   Remembered& newest(std::int64_t frame, const ImageView& image);
   const Remembered* choose_reference(const SE3& T_map_camera) const;
   const Remembered* find(std::int64_t frame) const;
@@ -99,7 +96,6 @@ class GroundScale {
   std::array<Remembered, kRemembered> ring_;
   std::size_t next_ = 0;
   int unused_ = 0;  // looks in a row
-  double walked_ = 0;
 };
 
 }  // namespace pavo

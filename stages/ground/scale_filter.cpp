@@ -2,10 +2,8 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
-#include <algorithm>
 #include <cmath>
 #include <stdexcept>
-#include <utility>
 
 namespace pavo {
 namespace {
@@ -19,12 +17,6 @@ Eigen::Matrix3d derivative(double length, const GroundAttitude& attitude) {
 }
 
 constexpr double kUnknownScale = 10;  // of the logarithm: anything
-
-// How many times something is said that is news by this share, until it is said in full; what was is old again.
-double repetition(double& fresh) {
-  constexpr double kLeast = 1e-3;
-  return 1 / std::max(std::exchange(fresh, 0.0), kLeast);
-}
 
 }  // namespace
 
@@ -42,10 +34,7 @@ double ScaleFilter::sigma() const {
   return std::sqrt(P_(0, 0) + squared(x_(0) - told_));
 }
 
-void ScaleFilter::predict(double scale_sigma, double heights) {
-  since_start_ += heights;
-  fresh_look_ = std::min(1.0, fresh_look_ + heights / options_.same_ground);
-  fresh_way_ = std::min(1.0, fresh_way_ + heights / options_.same_ground);
+void ScaleFilter::predict(double scale_sigma) {
   P_(0, 0) += squared(scale_sigma);
   P_(1, 1) += squared(options_.attitude_walk);
   P_(2, 2) += squared(options_.attitude_walk);
@@ -63,8 +52,6 @@ void ScaleFilter::retarget(double metres_per_unit) {
 void ScaleFilter::restart() {
   known_ = false;
   misses_ = 0;
-  fresh_look_ = 1;
-  since_start_ = 0;
   P_.row(0).setZero();
   P_.col(0).setZero();
   P_(0, 0) = squared(kUnknownScale);
@@ -100,12 +87,11 @@ bool ScaleFilter::update(const GroundMeasurement& look) {
     return false;
   }
   misses_ = 0;
-  R *= repetition(fresh_look_);
-  const Eigen::Matrix3d S = P_ + R;
+  const Eigen::Matrix3d S = P_ + options_.repetition * R;
   const Eigen::Matrix3d gain = P_ * S.inverse();
   x_ += gain * innovation;
   const Eigen::Matrix3d rest = Eigen::Matrix3d::Identity() - gain;
-  P_ = rest * P_ * rest.transpose() + gain * R * gain.transpose();
+  P_ = rest * P_ * rest.transpose() + options_.repetition * gain * R * gain.transpose();
   told_ = x_(0);
   known_ = true;
   return true;
@@ -115,19 +101,17 @@ bool ScaleFilter::travelled(const Eigen::Vector3d& direction) {
   Eigen::Vector3d h = Eigen::Vector3d::Zero();
   h.tail<2>() = down_derivative(attitude()).transpose() * direction;
   const double innovation = -down_of(attitude()).dot(direction);
-  double R = squared(options_.travel_sigma) + squared(options_.start_sigma / (1 + since_start_));
-  const double known = h.dot(P_ * h);
+  const double R = squared(options_.travel_sigma), known = h.dot(P_ * h);
   if (squared(innovation) > options_.gate * (known + R)) {
     // The first ways of a map that was begun between people may be wrong, and what they said must not stay for ever.
     if (++strange_ways_ >= options_.ways_until_doubt) P_ *= squared(options_.doubt), strange_ways_ = 0;
     return false;
   }
   strange_ways_ = 0;
-  R *= repetition(fresh_way_);
-  const Eigen::Vector3d gain = P_ * h / (known + R);
+  const Eigen::Vector3d gain = P_ * h / (known + options_.repetition * R);
   x_ += gain * innovation;
   const Eigen::Matrix3d rest = Eigen::Matrix3d::Identity() - gain * h.transpose();
-  P_ = rest * P_ * rest.transpose() + R * gain * gain.transpose();
+  P_ = rest * P_ * rest.transpose() + options_.repetition * R * gain * gain.transpose();
   return true;
 }
 

@@ -19,12 +19,11 @@ struct ScaleFilterOptions {
   GroundAttitude attitude;       ///< how it is mounted, as far as known
   double attitude_sigma = 0.03;  ///< of that, radians
   double attitude_walk = 4e-4;   ///< of the mounting, radians a look
-  double slope_sigma = 1.2e-2;   ///< of the car's springs and the road, radians, beside what the look itself says
-  double travel_sigma = 5e-3;    ///< of the angle between the ground and the way over it: springs, humps
-  double start_sigma = 2e-2;     ///< of the way's direction where a map begins; h heights farther on 1 / (1 + h) of it
-  double lever = 0.5;  ///< how far from the camera the ground begins to tilt, in distances of the ground that is seen
+  double slope_sigma = 8e-3;     ///< of the car's springs and the road, radians, beside what the look itself says
+  double travel_sigma = 4e-3;    ///< of the angle between the ground and the way over it: springs, humps
+  double lever = 0.8;  ///< how far from the camera the ground begins to tilt, in distances of the ground that is seen
   double height_sigma = 0.01;  ///< of the height over the road at one place: its logarithm
-  double same_ground = 1.2;    ///< way after which a look sees other ground, in heights; after less it counts for less
+  double repetition = 3;       ///< consecutive looks see the same ground: so many count as one
   double gate = 16;            ///< largest squared Mahalanobis distance (3 degrees of freedom)
   int misses_until_lost = 12;  ///< in a row
   int ways_until_doubt = 6;    ///< ways in a row that do not fit: the attitude (and the scale, which came of it) is
@@ -45,8 +44,8 @@ class ScaleFilter {
   const Eigen::Matrix3d& covariance() const { return P_; }
   double height_m() const { return options_.height_m; }
 
-  /// The camera goes on, by so many of its heights: the logarithm of the scale walks by `scale_sigma`.
-  void predict(double scale_sigma, double heights);
+  /// Time passes: the logarithm of the scale walks by `scale_sigma`.
+  void predict(double scale_sigma);
   /// The unit is another one: new = old / factor (a map that was scaled by `factor`).
   void rescale(double factor);
   /// The unit is another one, of about so many metres; how sure that is stays as it was.
@@ -71,10 +70,8 @@ class ScaleFilter {
  private:
   ScaleFilterOptions options_;
   bool known_ = false;
-  int misses_ = 0, strange_ways_ = 0;      // in a row
-  double since_start_ = 0;                 // the way in this unit, in heights
-  double fresh_look_ = 1, fresh_way_ = 1;  // share of the next one that is news; 1: it is of other ground
-  double told_ = 0;                        // ln metres per unit, as of the last look
+  int misses_ = 0, strange_ways_ = 0;  // in a row
+  double told_ = 0;                    // ln metres per unit, as of the last look
   Eigen::Vector3d x_ = Eigen::Vector3d::Zero();
   Eigen::Matrix3d P_ = Eigen::Matrix3d::Zero();
 };

@@ -34,7 +34,7 @@ void MetricMap::apply_scale(bool sensed, double factor, MapUpdate& update) {
   map_.report(update);
   update.unit = unit_;
   update.scale_variance = sensed ? variance : -1;
-  update.scale_walk = ground_ ? ground_->walked() : walk_;
+  update.scale_walk = walk_;
   if (ground_ && ground_->known()) update.ground = down_of(ground_->attitude()) / options_.ground->filter.height_m;
 }
 
@@ -50,6 +50,7 @@ void MetricMap::look_between_keyframes(const KeyframeRecord& frame, const Image&
 
 void MetricMap::look_at_ground(std::int64_t frame, const Image& image, const SE3& T_map_camera, const People& people) {
   const bool known = ground_->known();
+  if (known) walk_ += options_.ground->scale_walk * options_.ground->scale_walk;
   look_ = ground_->observe(frame, image.view(), T_map_camera, people);
   looked_from_ = T_map_camera;
   // Lost: what the map has is still a better guess than a search from nothing.
