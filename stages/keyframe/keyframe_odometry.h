@@ -48,7 +48,7 @@ struct KeyframeOdometryOptions {
   double keyframe_px = 25;         ///< median motion since the last keyframe that makes one
   double keyframe_share = 0.6;     ///< or fewer points than this share of the last keyframe's are left
   double start_parallax_px = 1.5;
-  double drift_factor = 2.4;  ///< of what a generation of points adds to the pose's covariance
+  double drift_factor = 1.5;  ///< of what a generation of points adds to the pose's covariance
   SystematicErrors systematic;
   double unknown_log_sigma = 1;  ///< of the logarithm of a length that nothing told
 };

@@ -3,8 +3,9 @@
 namespace pavo {
 
 PoseUncertainty::PoseUncertainty(const SystematicErrors& systematic, double focal_px) : systematic_(systematic) {
-  per_m_ << Eigen::Vector3d::Constant(systematic.direction_px / focal_px),
-      Eigen::Vector3d::Constant(systematic.rotation_px_per_m / focal_px);
+  const double direction = systematic.direction_px, turn = systematic.turn_px_per_m;
+  per_m_ << direction, direction, direction, systematic.pitch_px_per_m, turn, turn;
+  per_m_ /= focal_px;
 }
 
 // T_w_to = T_w_from T_from_to: the error there is seen from the new camera, Ad(T_to_from).
