@@ -64,7 +64,7 @@ void Renderer::render(int frame, std::uint8_t* pixels) {
 // Where a ray goes through the kerb's face, between a point over the road and one over the sidewalk, below its edge:
 // two steps of the secant.
 float Renderer::trace_kerb(const Scene& scene, const Eigen::Vector2f& flat, float a, float la, float b, float lb,
-                           int& hint) const {
+                           int hint) const {
   constexpr auto kEdge = static_cast<float>(kKerb);
   float t = a;
   for (int i = 0; i < 2; ++i) {
@@ -92,12 +92,12 @@ Renderer::Hit Renderer::trace_ground(const Scene& scene, const Eigen::Vector3f& 
   return {trace_kerb(scene, flat, high, std::abs(up.l), low, std::abs(down.l), hint), kKerbFace};
 }
 
-// By steps that are too short to pass through anything. Over a crest a ray may come lower than the kerb's edge and not
-// meet the road.
+// By steps that are too short to pass through anything, but for two pixels' height: a ray that grazes a crest would
+// take thousands. Over a crest it may come lower than the kerb's edge and not meet the road.
 Renderer::Hit Renderer::trace_hills(const Scene& scene, const Eigen::Vector3f& d, int& hint) const {
   constexpr auto kEdge = static_cast<float>(kKerb), kHigh = static_cast<float>(kKerbHeight);
-  constexpr float kNear = 1e-4F, kStep = 0.01F;  // of height: the least that a step is worth
-  constexpr int kMostSteps = 150;
+  constexpr float kNear = 1e-4F;
+  constexpr int kMostSteps = 1000;  // never reached
   const float fastest = scene.descent(d);
   if (fastest < 1e-5F) return {kFarthest, kSky};
   const Eigen::Vector2f flat(d.x(), d.z());
@@ -113,7 +113,8 @@ Renderer::Hit Renderer::trace_hills(const Scene& scene, const Eigen::Vector3f& d
     }
     const bool between = over_road && over_edge < 0;
     t_between = between ? t : -1, l_between = l;
-    t += std::max(between ? here.height : over_edge, kStep) / fastest;
+    const float least = std::max(0.01F, 0.003F * t);  // of height, that a step is worth
+    t += std::max(between ? here.height : over_edge, least) / fastest;
   }
   return {kFarthest, kSky};
 }

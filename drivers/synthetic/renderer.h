@@ -35,7 +35,7 @@ class Renderer {
   Hit trace_ground(const Scene& scene, const Eigen::Vector3f& direction, int& hint) const;
   Hit trace_hills(const Scene& scene, const Eigen::Vector3f& direction, int& hint) const;
   float trace_kerb(const Scene& scene, const Eigen::Vector2f& flat, float a, float la, float b, float lb,
-                   int& hint) const;
+                   int hint) const;
   float shade(const Ray& ray, Hit hit, std::size_t tile, int& hint) const;
   float shade_ground(const Ray& ray, Hit hit, std::size_t tile, int& hint) const;
   float shade_sky(const Ray& ray) const;

@@ -24,6 +24,7 @@ float hazy(float value, float depth) {
 Vector3f slide(const Vector3f& d, float t, const Vector3f& dd, const Vector3f& normal) {
   return t * dd - (t * dd.dot(normal) / d.dot(normal)) * d;
 }
+
 Vector2f flat(const Vector3f& p) {
   return {p.x(), p.z()};
 }

@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -51,7 +52,7 @@ void ScaleFilter::retarget(double metres_per_unit) {
 
 void ScaleFilter::restart() {
   known_ = false;
-  misses_ = 0;
+  misses_ = strange_ways_ = 0;
   P_.row(0).setZero();
   P_.col(0).setZero();
   P_(0, 0) = squared(kUnknownScale);
