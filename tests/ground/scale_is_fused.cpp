@@ -185,7 +185,7 @@ TEST(ScaleFilter, ErrorsAreWhatItSays) {
     }
     squared += std::pow(std::log(filter.metres_per_unit()) / filter.sigma(), 2);
   }
-  EXPECT_LT(squared / kRuns, 1.6) << "overconfident";
+  EXPECT_LT(squared / kRuns, 1.5) << "overconfident";
   EXPECT_GT(squared / kRuns, 0.5) << "too cautious";
 }
 
