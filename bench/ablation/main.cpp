@@ -116,6 +116,7 @@ void run(const std::string& name, Sequence& sequence, const std::filesystem::pat
   KeyframeOdometryOptions options;
   options.max_points = static_cast<int>(get(s, "points", options.max_points));
   options.sigma_px = get(s, "sigma", options.sigma_px);
+  options.loss_scale = get(s, "pose_loss", options.loss_scale);
   options.keyframe_px = get(s, "keyframe_px", options.keyframe_px);
   options.keyframe_share = get(s, "keyframe_share", options.keyframe_share);
   options.new_patch_ratio = get(s, "patch_ratio", options.new_patch_ratio);

@@ -176,7 +176,8 @@ RefinedPose KeyframeOdometry::State::pose_of_found(const PosePrior& prior, const
     constraints.push_back({.ray = point.ray, .pixel = point.px.cast<double>(), .sigma_px = options.sigma_px});
     constrained.push_back(static_cast<int>(i));
   }
-  return refine_pose(constraints, camera, prior, from, {.loss_scale = 2.5, .widest = widest, .iterations = 5});
+  return refine_pose(constraints, camera, prior, from,
+                     {.loss_scale = options.loss_scale, .widest = widest, .iterations = 5});
 }
 
 // The images' points against those of the frame before, or of the one that the standstill began with.

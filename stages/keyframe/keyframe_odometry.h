@@ -35,6 +35,7 @@ struct KeyframeOdometryOptions {
   int max_coarse = 200;           ///< points that the pose is looked for with, before all are aligned
   double sigma_px = 0.4;          ///< of an aligned point
   double coarse_sigma_px = 1.0;   ///< of a keypoint
+  double loss_scale = 1;          ///< of an aligned point's robust loss, in sigma_px
   double mature_px = 3;           ///< uncertainty of the predicted pixel up to which a point is looked for there alone
   double new_patch_ratio = 1.25;  ///< change of size from which on the patch is taken anew
   int max_misses = 4;
@@ -48,7 +49,6 @@ struct KeyframeOdometryOptions {
   double keyframe_px = 25;         ///< median motion since the last keyframe that makes one
   double keyframe_share = 0.6;     ///< or fewer points than this share of the last keyframe's are left
   double start_parallax_px = 1.5;
-  double drift_factor = 1.5;  ///< of what a generation of points adds to the pose's covariance
   SystematicErrors systematic;
   double unknown_log_sigma = 1;  ///< of the logarithm of a length that nothing told
 };

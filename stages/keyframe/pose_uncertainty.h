@@ -10,9 +10,9 @@ namespace pavo {
 /// What is the same for the whole drive, so that it grows with the way. Standard deviations.
 struct SystematicErrors {
   double log_scale = 0;           ///< of all lengths: a told height that is wrong
-  double turn_px_per_m = 2.5e-3;  ///< a camera that is not quite as its calibration says turns with every metre
-  double pitch_px_per_m = 5e-3;   ///< it drifts in pitch more, and always to one side (docs/odometry.md)
-  double direction_px = 0.075;    ///< of where in the picture the direction of its way is
+  double turn_px_per_m = 1.5e-3;  ///< a camera that is not quite as its calibration says turns with every metre
+  double pitch_px_per_m = 3e-3;   ///< it drifts in pitch more, and always to one side (docs/odometry.md)
+  double direction_px = 0.04;     ///< of where in the picture the direction of its way is
 };
 
 /// Four parts, all for T_w_c exp(xi), xi = (x y z rx ry rz) in the camera's frame:

@@ -98,7 +98,6 @@ bool KeyframeOdometry::State::start(const FrameTime& now, const FrameView& curre
     record.T_last_c = reference_T.inverse() * out.T_w_c;
     has_map = true;
     has_reference = false;
-    uncertainty.begin_map();
   } else if (now.index - reference_time.index > 10 || out.matches < reference_matches / 2) {
     set_reference(now, current, out, record);
   }

@@ -47,7 +47,7 @@ void KeyframeOdometry::State::tell_uncertainty(const RefinedPose& pose) {
     ++points_seen;
   }
   const double life = std::clamp(seen / std::max(1, points_seen), kShortestLife, kLongestLife);
-  uncertainty.step(last_T, pose.T_w_c, options.drift_factor / life * noise, noise);
+  uncertainty.step(last_T, pose.T_w_c, noise / life, noise);
 }
 
 void KeyframeOdometry::State::begin_scale(bool told) {
@@ -62,7 +62,9 @@ void KeyframeOdometry::State::begin_scale(bool told) {
 // Without a map every pair says on which epipolar line it lies, so nothing about the way's length: that is the scale's.
 void KeyframeOdometry::State::tell_uncertainty_of_start(const SE3& T_r_c, const PoseResult& out) {
   constexpr double kUnknownDepth = 1e3, kLengthKnown = 1e-3;
-  constexpr double kBothImages = 1.4;  // beside the second image's noise: the first one's, which stays with the points
+  // Beside this image's noise, the first one's; and what came nearer is aligned here as it was, which puts points of a
+  // region off by the same.
+  constexpr double kBothImages = 2.3;
   const double length = T_r_c.t.norm();
   constraints.clear();
   for (std::size_t i = 0; i < out.pairs.size(); ++i) {

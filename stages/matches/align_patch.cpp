@@ -1,6 +1,7 @@
 #include "stages/matches/align_patch.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 
@@ -17,6 +18,27 @@ namespace HWY_NAMESPACE {
 
 constexpr int kWide = 24;  // columns of the resized patch, with a border of one pixel, in whole vectors
 
+// What is near the point counts more. The farther from it, the more often a pixel shows something else, which is nearer
+// or farther and moves otherwise, and the more does it matter that a surface seen from the side does not only grow.
+// Tukey's biweight along rows and along columns; kPixels in all.
+constexpr std::array<float, kPixels> make_window() {
+  constexpr float kRadius = 9.25f;  // its standard deviation is 3.5 px
+  const auto biweight = [](float distance) {
+    const float rest = 1 - distance * distance / (kRadius * kRadius);
+    return rest * rest;
+  };
+  std::array<float, kPixels> window{};
+  float sum = 0;
+  for (int r = 0; r < kHeight; ++r)
+    for (int c = 0; c < kWidth; ++c)
+      sum += window[r * kWidth + c] =
+          biweight(static_cast<float>(r) - kMiddleY) * biweight(static_cast<float>(c) - kMiddleX);
+  for (float& weight : window) weight *= kPixels / sum;
+  return window;
+}
+alignas(64) constexpr std::array<float, kPixels> kWindow = make_window();
+
+// Gray values and gradients, less what they have in common (see below), times the window.
 struct Template {
   HWY_ALIGN float value[kPixels], gx[kPixels], gy[kPixels];
   float xx = 0, xy = 0, yy = 0, energy = 0;
@@ -28,6 +50,19 @@ HWY_INLINE float dot(const float* a, const float* b) {
   for (int i = 0; i < kPixels; i += static_cast<int>(hn::Lanes(d)))
     sum = hn::MulAdd(hn::Load(d, a + i), hn::Load(d, b + i), sum);
   return sum_of(sum);
+}
+
+HWY_INLINE void remove_weighted_mean(float* values) {
+  const D d;
+  const V mean = hn::Set(d, dot(values, kWindow.data()) / static_cast<float>(kPixels));
+  for (int i = 0; i < kPixels; i += static_cast<int>(hn::Lanes(d)))
+    hn::Store(hn::Sub(hn::Load(d, values + i), mean), d, values + i);
+}
+
+HWY_INLINE void weigh(const float* values, float* out) {
+  const D d;
+  for (int i = 0; i < kPixels; i += static_cast<int>(hn::Lanes(d)))
+    hn::Store(hn::Mul(hn::Load(d, values + i), hn::Load(d, kWindow.data() + i)), d, out + i);
 }
 
 // a -= factor b
@@ -44,12 +79,12 @@ HWY_INLINE void resize(const Patch& patch, float scale, float* out) {
   int column[kWidth + 2];
   float rest[kWidth + 2];
   for (int c = 0; c < kWidth + 2; ++c) {
-    const float x = patch.x + static_cast<float>(c - 1 - kWidth / 2) * step;
+    const float x = patch.x + (static_cast<float>(c - 1) - kMiddleX) * step;
     column[c] = std::clamp(static_cast<int>(std::floor(x)), 0, Patch::kSize - 2);
     rest[c] = x - static_cast<float>(column[c]);
   }
   for (int r = 0; r < kHeight + 2; ++r) {
-    const float y = patch.y + static_cast<float>(r - 1 - kHeight / 2) * step;
+    const float y = patch.y + (static_cast<float>(r - 1) - kMiddleY) * step;
     const int row = std::clamp(static_cast<int>(std::floor(y)), 0, Patch::kSize - 2);
     const float fy = y - static_cast<float>(row);
     const std::uint8_t* upper = patch.pixels.data() + row * Patch::kSize;
@@ -64,27 +99,29 @@ HWY_INLINE void resize(const Patch& patch, float scale, float* out) {
 
 void make_template(const Patch& patch, float scale, Template& t) {
   const D d;
-  HWY_ALIGN float wide[(kHeight + 2) * kWide];
+  HWY_ALIGN float wide[(kHeight + 2) * kWide], value[kPixels], gx[kPixels], gy[kPixels];
   resize(patch, scale, wide);
   const V half = hn::Set(d, 0.5f);
   for (int r = 0; r < kHeight; ++r) {
     const float* row = wide + (r + 1) * kWide;
     for (int c = 0; c < kWidth; c += static_cast<int>(hn::Lanes(d))) {
       const int at = r * kWidth + c;
-      hn::Store(hn::LoadU(d, row + c + 1), d, t.value + at);
-      hn::Store(hn::Mul(half, hn::Sub(hn::LoadU(d, row + c + 2), hn::LoadU(d, row + c))), d, t.gx + at);
+      hn::Store(hn::LoadU(d, row + c + 1), d, value + at);
+      hn::Store(hn::Mul(half, hn::Sub(hn::LoadU(d, row + c + 2), hn::LoadU(d, row + c))), d, gx + at);
       hn::Store(hn::Mul(half, hn::Sub(hn::LoadU(d, row + kWide + c + 1), hn::LoadU(d, row - kWide + c + 1))), d,
-                t.gy + at);
+                gy + at);
     }
   }
   // Brightness and contrast are two more unknowns: gradients less their share of the constant and of the patch itself
   // take them out of the other two.
-  remove_mean(t.value), remove_mean(t.gx), remove_mean(t.gy);
-  t.energy = dot(t.value, t.value);
+  remove_weighted_mean(value), remove_weighted_mean(gx), remove_weighted_mean(gy);
+  weigh(value, t.value);
+  t.energy = dot(value, t.value);
   const float by_energy = 1 / HWY_MAX(t.energy, 1.0f);
-  subtract(t.gx, dot(t.gx, t.value) * by_energy, t.value);
-  subtract(t.gy, dot(t.gy, t.value) * by_energy, t.value);
-  t.xx = dot(t.gx, t.gx), t.xy = dot(t.gx, t.gy), t.yy = dot(t.gy, t.gy);
+  subtract(gx, dot(gx, t.value) * by_energy, value);
+  subtract(gy, dot(gy, t.value) * by_energy, value);
+  weigh(gx, t.gx), weigh(gy, t.gy);
+  t.xx = dot(gx, t.gx), t.xy = dot(gx, t.gy), t.yy = dot(gy, t.gy);
 }
 
 // Sums over the image's patch c (bilinear) with the template t.
@@ -98,7 +135,8 @@ HWY_INLINE Sums compare(const Template& t, const ImageView& image, const PatchCo
   for_each_gray(image, c, [&](int at, V gray) HWY_ATTR {
     x = hn::MulAdd(gray, hn::Load(d, t.gx + at), x), y = hn::MulAdd(gray, hn::Load(d, t.gy + at), y);
     value = hn::MulAdd(gray, hn::Load(d, t.value + at), value);
-    sum = hn::Add(sum, gray), squared = hn::MulAdd(gray, gray, squared);
+    const V weighed = hn::Mul(gray, hn::Load(d, kWindow.data() + at));
+    sum = hn::Add(sum, weighed), squared = hn::MulAdd(gray, weighed, squared);
   });
   return {sum_of(x), sum_of(y), sum_of(value), sum_of(sum), sum_of(squared)};
 }

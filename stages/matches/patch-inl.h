@@ -24,6 +24,8 @@ using V = hn::Vec<D>;
 
 // A patch is kWidth x kHeight gray values, rows of kWidth, without a gap: whole vectors on every target.
 constexpr int kWidth = 16, kHeight = 15, kPixels = kWidth * kHeight;
+// The point is in the middle, between two columns: were it on one, what grows or shrinks would be found to one side.
+constexpr float kMiddleX = (kWidth - 1) / 2.0f, kMiddleY = (kHeight - 1) / 2.0f;
 
 HWY_INLINE float sum_of(V v) {
   return hn::GetLane(hn::SumOfLanes(D(), v));
@@ -37,15 +39,6 @@ HWY_INLINE V load_gray(const std::uint8_t* p) {
   return hn::ConvertTo(d, hn::PromoteTo(d32, hn::LoadU(d8, p)));
 }
 
-HWY_INLINE void remove_mean(float* values) {
-  const D d;
-  V sum = hn::Zero(d);
-  for (int i = 0; i < kPixels; i += static_cast<int>(hn::Lanes(d))) sum = hn::Add(sum, hn::Load(d, values + i));
-  const V mean = hn::Set(d, sum_of(sum) / static_cast<float>(kPixels));
-  for (int i = 0; i < kPixels; i += static_cast<int>(hn::Lanes(d)))
-    hn::Store(hn::Sub(hn::Load(d, values + i), mean), d, values + i);
-}
-
 // Where a patch with its middle at (x, y) begins.
 struct PatchCorner {
   int x, y;      // whole pixels of the patch's top left
@@ -53,7 +46,7 @@ struct PatchCorner {
 };
 
 HWY_INLINE PatchCorner corner_of(float x, float y) {
-  const float left = x - static_cast<float>(kWidth / 2), top = y - static_cast<float>(kHeight / 2);
+  const float left = x - kMiddleX, top = y - kMiddleY;
   const float floor_x = std::floor(left), floor_y = std::floor(top);
   return {static_cast<int>(floor_x), static_cast<int>(floor_y), left - floor_x, top - floor_y};
 }

@@ -23,6 +23,15 @@ struct Template {
   float xx = 0, xy = 0, yy = 0;  // the normal equations' matrix
 };
 
+HWY_INLINE void remove_mean(float* values) {
+  const D d;
+  V sum = hn::Zero(d);
+  for (int i = 0; i < kPixels; i += static_cast<int>(hn::Lanes(d))) sum = hn::Add(sum, hn::Load(d, values + i));
+  const V mean = hn::Set(d, sum_of(sum) / static_cast<float>(kPixels));
+  for (int i = 0; i < kPixels; i += static_cast<int>(hn::Lanes(d)))
+    hn::Store(hn::Sub(hn::Load(d, values + i), mean), d, values + i);
+}
+
 HWY_INLINE void sample(const ImageView& image, const PatchCorner& c, float* out) {
   for_each_gray(image, c, [&](int at, V gray) HWY_ATTR { hn::Store(gray, D(), out + at); });
 }

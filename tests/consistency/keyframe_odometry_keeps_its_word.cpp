@@ -2,8 +2,10 @@
 // drive.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <vector>
 
 #include "drivers/synthetic/synthetic_street.h"
 #include "pavo/plain_loop.h"
@@ -162,21 +164,32 @@ TEST(KeyframeOdometry, DoesNotTakeALorryThatPassesForANewWorld) {
   expect_followed(drive, 15, 25);
 }
 
-// It keeps its place in the picture and has more corners than all the rest: neither does the camera stand, nor is the
-// car far away and everything else turning.
-TEST(KeyframeOdometry, IsNotHeldUpByACarAhead) {
+/// The largest error, as a share of the way, behind a car that keeps its place in the picture, `left` px from its side,
+/// and has more corners than all the rest.
+double error_behind_a_car_ahead(int left) {
   Sight drive;
-  const cv::Mat rich = as_mat(film().images[0]);
   cv::Mat car;
-  cv::resize(rich, car, {70, 50}, 0, 0, cv::INTER_AREA);
+  cv::resize(as_mat(film().images[0]), car, {70, 50}, 0, 0, cv::INTER_AREA);
+  double worst = 0;
   for (std::size_t k = 0; k < 45; ++k) {
     const Image image = copy_of(film().images[k]);
-    const int left = static_cast<int>(std::lround(165 + 2 * std::sin(static_cast<double>(k) / 11)));
-    car.copyTo(as_mat(image)(cv::Rect(left, 50, car.cols, car.rows)));
+    const int at = static_cast<int>(std::lround(left + 2 * std::sin(static_cast<double>(k) / 11)));
+    car.copyTo(as_mat(image)(cv::Rect(at, 50, car.cols, car.rows)));
     const PoseResult& pose = drive.see(image, film().truth[k].t);
     EXPECT_NE(pose.quality, Quality::standing) << k;
-    EXPECT_LT((pose.T_w_c.t - film().truth[k].t).norm(), 0.03 * travelled(k) + 0.02) << k;
+    if (k > 4) worst = std::max(worst, (pose.T_w_c.t - film().truth[k].t).norm() / travelled(k));
   }
+  return worst;
+}
+
+// Neither does the camera stand, nor is the car far away and everything else turning. Where the car hides the end of
+// the street, in the middle, that is hardest.
+TEST(KeyframeOdometry, IsNotHeldUpByACarAhead) {
+  std::vector<double> errors;
+  for (const int left : {125, 145, 165, 185, 205}) errors.push_back(error_behind_a_car_ahead(left));
+  std::ranges::sort(errors);
+  EXPECT_LT(errors[2], 0.015);
+  EXPECT_LT(errors[4], 0.05);
 }
 
 /// How far the end is off, after a drive in which a car cuts in that hides half of the street and sways a little.

@@ -61,8 +61,8 @@ class AgainstCeres : public ::testing::TestWithParam<double> {};
 TEST_P(AgainstCeres, TheMinimumIsTheSame) {
   StreetOfPoints street = street_of_points(3, 7, 60, 0.4, GetParam());
   BundleOptions options;
-  options.iterations = 60;
-  options.least_gain = 1e-13;
+  options.iterations = 300;  // the narrower the loss, the slower do weights settle
+  options.least_gain = 1e-15;
   const Solution ceres = by_ceres(street.bundle, options.loss_scale);
   BundleAdjustment adjust(kCamera, options);
   const BundleSummary summary = adjust(street.bundle);
