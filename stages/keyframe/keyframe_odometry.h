@@ -35,7 +35,7 @@ struct KeyframeOdometryOptions {
   int max_coarse = 200;           ///< points that the pose is looked for with, before all are aligned
   double sigma_px = 0.4;          ///< of an aligned point
   double coarse_sigma_px = 1.0;   ///< of a keypoint
-  double loss_scale = 1;          ///< of an aligned point's robust loss, in sigma_px
+  double loss_scale = 1.5;        ///< of an aligned point's robust loss, in sigma_px
   double mature_px = 3;           ///< uncertainty of the predicted pixel up to which a point is looked for there alone
   double new_patch_ratio = 1.25;  ///< change of size from which on the patch is taken anew
   int max_misses = 4;

@@ -11,7 +11,7 @@ namespace pavo {
 struct SystematicErrors {
   double log_scale = 0;           ///< of all lengths: a told height that is wrong
   double turn_px_per_m = 1.5e-3;  ///< a camera that is not quite as its calibration says turns with every metre
-  double pitch_px_per_m = 3e-3;   ///< it drifts in pitch more, and always to one side (docs/odometry.md)
+  double pitch_px_per_m = 4e-3;   ///< it drifts in pitch more, and always to one side (docs/odometry.md)
   double direction_px = 0.04;     ///< of where in the picture the direction of its way is
 };
 

@@ -13,7 +13,7 @@ namespace pavo {
 
 struct BundleOptions {
   int iterations = 6;        ///< of Levenberg and Marquardt, at most
-  double loss_scale = 0.8;   ///< of Cauchy's loss, in standard deviations of a pixel
+  double loss_scale = 1.2;   ///< of Cauchy's loss, in standard deviations of a pixel
   double least_gain = 1e-4;  ///< relative; a step that lowers the cost by less ends the adjustment
   double initial_damping = 1e-5;
 };
