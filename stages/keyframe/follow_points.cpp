@@ -167,7 +167,8 @@ void KeyframeOdometry::State::align_points(const SE3& T, const FrameView& curren
   }
 }
 
-RefinedPose KeyframeOdometry::State::pose_of_found(const PosePrior& prior, const SE3& from, double widest) {
+RefinedPose KeyframeOdometry::State::pose_of_found(const PosePrior& prior, const SE3& from) {
+  constexpr double kWidest = 16;  // 9.6 px: from less, a car ahead may hold the pose
   constraints.clear();
   constrained.clear();
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -177,7 +178,7 @@ RefinedPose KeyframeOdometry::State::pose_of_found(const PosePrior& prior, const
     constrained.push_back(static_cast<int>(i));
   }
   return refine_pose(constraints, camera, prior, from,
-                     {.loss_scale = options.loss_scale, .widest = widest, .iterations = 5});
+                     {.loss_scale = options.loss_scale, .widest = kWidest, .iterations = 5});
 }
 
 // The images' points against those of the frame before, or of the one that the standstill began with.

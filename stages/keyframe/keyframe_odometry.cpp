@@ -104,7 +104,7 @@ bool KeyframeOdometry::State::follow(const FrameTime& now, const FrameView& curr
     stood = true;
     return true;
   }
-  const RefinedPose fine = pose_of_found(prior, T, 8);
+  const RefinedPose fine = pose_of_found(prior, T);
   if (fine.inliers < options.min_tracked ||
       fine.inliers < options.min_agreement * static_cast<double>(constraints.size())) {
     out.reason = PoseReason::too_few_inliers;

@@ -82,7 +82,7 @@ struct KeyframeOdometry::State {
   void begin_scale(bool told);
   void tell_uncertainty_of_start(const SE3& T_r_c, const PoseResult& out);
   void guess_uncertainty(const PoseResult& out);
-  RefinedPose pose_of_found(const PosePrior& prior, const SE3& start, double widest);
+  RefinedPose pose_of_found(const PosePrior& prior, const SE3& start);
   void update_points(const SE3& T, const FrameView& current);
   void update_depth(TrackedPoint& point, const SE3& T) const;
   bool is_below_ground(const RayPoint& ray, const SE3& T) const;

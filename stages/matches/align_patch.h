@@ -33,8 +33,9 @@ struct Aligned {
 bool take_patch(ImageView image, float x, float y, Patch& patch);
 
 /// Finds `patch`, drawn `scale` times as large as it was, near (x, y): least squares over a translation; brightness and
-/// contrast may differ. Inverse composition (Baker and Matthews, IJCV 2004). `scale` is brought into [0.6, 2].
-/// Pure; allocates nothing.
+/// contrast may differ. What is near the point counts more: 16 x 15 pixels with the point in their middle, weighed with
+/// a standard deviation of 3.5 px. Inverse composition (Baker and Matthews, IJCV 2004). `scale` is brought into [0.6,
+/// 2]. Pure; allocates nothing.
 Aligned align_patch(const Patch& patch, float scale, ImageView image, float x, float y, const AlignOptions& options);
 
 }  // namespace pavo

@@ -177,6 +177,7 @@ double error_behind_a_car_ahead(int left) {
     car.copyTo(as_mat(image)(cv::Rect(at, 50, car.cols, car.rows)));
     const PoseResult& pose = drive.see(image, film().truth[k].t);
     EXPECT_NE(pose.quality, Quality::standing) << k;
+    EXPECT_LT((pose.T_w_c.t - film().truth[k].t).norm(), 0.03 * travelled(k) + 0.02) << k;
     if (k > 4) worst = std::max(worst, (pose.T_w_c.t - film().truth[k].t).norm() / travelled(k));
   }
   return worst;
@@ -189,7 +190,6 @@ TEST(KeyframeOdometry, IsNotHeldUpByACarAhead) {
   for (const int left : {125, 145, 165, 185, 205}) errors.push_back(error_behind_a_car_ahead(left));
   std::ranges::sort(errors);
   EXPECT_LT(errors[2], 0.015);
-  EXPECT_LT(errors[4], 0.05);
 }
 
 /// How far the end is off, after a drive in which a car cuts in that hides half of the street and sways a little.
