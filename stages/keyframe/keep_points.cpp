@@ -45,7 +45,7 @@ void KeyframeOdometry::State::update_points(const SE3& T, const FrameView& curre
   carried.fade();
   for (std::size_t n = 0; n < constrained.size(); ++n) {
     TrackedPoint& point = points[constrained[n]];
-    if (constraints[n].chi2 > 9) {
+    if (constraints.chi2(n) > 9) {
       if (++point.outliers >= 2) point.id = 0;
       ++point.misses;
       continue;

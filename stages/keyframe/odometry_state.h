@@ -134,7 +134,7 @@ struct KeyframeOdometry::State {
   Matches matches;
   MatchNearest::Scratch nearest_scratch;
   std::vector<std::uint8_t> refined, at_rest;
-  std::vector<PoseConstraint> constraints;
+  PoseConstraints constraints;
   std::vector<int> constrained;
   std::vector<FoundKeypoint> keypoint_of;
   std::vector<std::pair<PointId, TrackedPoint*>> by_id;

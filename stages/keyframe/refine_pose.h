@@ -2,24 +2,12 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <span>
 
-#include "stages/map/ray_point.h"
+#include "stages/keyframe/pose_constraints.h"
 #include "stages/map/se3_step.h"
 #include "types/camera.h"
 
 namespace pavo {
-
-/// A point and where it is seen. What rho's uncertainty does to the pixel is part of the error's covariance,
-/// sigma_px^2 I + g g^T sigma_rho^2 with g = d pixel / d rho: a point of unknown depth only says on which epipolar line
-/// it lies, one at infinity only how the camera turned, and all of them are in one least-squares problem.
-struct PoseConstraint {
-  RayPoint ray;
-  Eigen::Vector2d pixel;
-  double sigma_px = 0.5;
-  double weight = 1;  ///< out: of the robust loss, 0 to 1
-  double chi2 = 0;    ///< out: squared error in standard deviations; huge behind the camera
-};
 
 /// Where the camera is expected: a Gaussian about it, in its own frame.
 struct PosePrior {
@@ -41,8 +29,8 @@ struct RefinedPose {
 };
 
 /// Iteratively reweighted Gauss-Newton with a damped step, the loss made narrower in powers of two (graduated
-/// non-convexity: Blake and Zisserman, 1987). Pure but for the constraints' outputs; allocates nothing.
-RefinedPose refine_pose(std::span<PoseConstraint> constraints, const Camera& camera, const PosePrior& prior,
-                        const SE3& start, const RefinePoseOptions& options);
+/// non-convexity: Blake and Zisserman, 1987). Pure but for the constraints' chi2; allocates nothing.
+RefinedPose refine_pose(PoseConstraints& constraints, const Camera& camera, const PosePrior& prior, const SE3& start,
+                        const RefinePoseOptions& options);
 
 }  // namespace pavo

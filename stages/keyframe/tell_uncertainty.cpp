@@ -31,8 +31,8 @@ Matrix6d of_diagonal(double variance_t, double variance_r) {
 double KeyframeOdometry::State::pixel_variance(double median_chi2) {
   constexpr double kGain = 0.1;
   scratch.clear();
-  for (const PoseConstraint& c : constraints)
-    if (c.chi2 < 9) scratch.push_back(static_cast<float>(c.chi2));
+  for (std::size_t i = 0; i < constraints.size(); ++i)
+    if (constraints.chi2(i) < 9) scratch.push_back(static_cast<float>(constraints.chi2(i)));
   if (scratch.size() < 10) return noise_ratio > 0 ? noise_ratio : 1;
   const auto middle = scratch.begin() + static_cast<std::ptrdiff_t>(scratch.size() / 2);
   std::nth_element(scratch.begin(), middle, scratch.end());
@@ -46,7 +46,7 @@ void KeyframeOdometry::State::tell_uncertainty(const RefinedPose& pose) {
   double seen = 0;
   int points_seen = 0;
   for (std::size_t n = 0; n < constrained.size(); ++n) {
-    if (constraints[n].chi2 > 9) continue;
+    if (constraints.chi2(n) > 9) continue;
     seen += points[static_cast<std::size_t>(constrained[n])].seen;
     ++points_seen;
   }

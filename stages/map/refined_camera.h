@@ -27,10 +27,11 @@ inline Camera refined_camera(const Camera& rectified, const LensError& error) {
   return camera;
 }
 
+constexpr double kWidestRadius2 = 4;  // a half angle of 63 degrees
+
 /// x^2 + y^2 of the image plane as the distortion knows it: outside of any picture it stays what it is at the border.
 inline double radius2(double x, double y) {
-  constexpr double kWidest = 4;  // a half angle of 63 degrees
-  return std::min(x * x + y * y, kWidest);
+  return std::min(x * x + y * y, kWidestRadius2);
 }
 
 /// Pixel of a (scaled) point in the camera's frame; z > 0.

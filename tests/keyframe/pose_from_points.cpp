@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <vector>
+
 #include "stages/keyframe/refine_pose.h"
 #include "tests/pose/scenes.h"
 
@@ -8,17 +10,18 @@ namespace {
 
 struct Seen {
   SE3 T_w_c = motion({0.01, 0.03, -0.005}, {0.1, -0.05, 0.9});
-  std::vector<PoseConstraint> constraints;
+  PoseConstraints constraints;
 };
 
 // Points in front of the origin, seen from a second place; `sigma_rho` relative to rho.
-Seen seen(std::uint64_t seed, double noise_px, double sigma_rho, double outliers) {
+std::vector<PoseConstraint> points_seen(const SE3& T_w_c, std::uint64_t seed, double noise_px, double sigma_rho,
+                                        double outliers) {
   Random random(seed);
-  Seen s;
-  while (s.constraints.size() < 200) {
+  std::vector<PoseConstraint> points;
+  while (points.size() < 200) {
     const double x = kCamera.width * random.uniform(), y = kCamera.height * random.uniform();
     const double depth = 4 + 40 * random.uniform();
-    const Eigen::Vector3d p = s.T_w_c.inverse() * unproject(x, y, depth);
+    const Eigen::Vector3d p = T_w_c.inverse() * unproject(x, y, depth);
     if (p.z() < 1 || !inside(project(p))) continue;
     PoseConstraint c;
     c.ray = {Eigen::Vector3d::Zero(), unproject(x, y, 1), 1 / depth, sigma_rho / depth};
@@ -26,9 +29,61 @@ Seen seen(std::uint64_t seed, double noise_px, double sigma_rho, double outliers
     const double noise = random.uniform() < outliers ? 40 : noise_px;
     c.pixel = project(p) + noise * Eigen::Vector2d(gauss(random), gauss(random));
     c.sigma_px = std::max(noise_px, 0.05);
-    s.constraints.push_back(c);
+    points.push_back(c);
   }
+  return points;
+}
+
+PoseConstraints constraints_of(const std::vector<PoseConstraint>& points) {
+  PoseConstraints constraints;
+  for (const PoseConstraint& point : points) constraints.push_back(point);
+  return constraints;
+}
+
+Seen seen(std::uint64_t seed, double noise_px, double sigma_rho, double outliers) {
+  Seen s;
+  s.constraints = constraints_of(points_seen(s.T_w_c, seed, noise_px, sigma_rho, outliers));
   return s;
+}
+
+// What the loop over eight points at a time says is what each point says by itself: some of them behind the camera,
+// some of unknown depth, the last of a block missing, the lens not quite as calibrated.
+TEST(RefinePose, SumsWhatEachPointSays) {
+  const Camera camera = refined_camera(kCamera, {0.01, 0.03});
+  const SE3 T = motion({0.02, 0.03, -0.01}, {0.15, -0.05, 0.8});
+  constexpr double kScale = 3;
+  std::vector<PoseConstraint> points = points_seen(T, 5, 0.5, 0.05, 0.2);
+  for (std::size_t i = 0; i < points.size(); i += 7) points[i].ray.sigma_rho = 10;
+  for (std::size_t i = 3; i < points.size(); i += 50) points[i].ray.direction.z() = -1;
+  for (const std::size_t n : {0, 1, 7, 8, 9, 197}) {
+    const std::vector<PoseConstraint> some(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(n));
+    PoseConstraints constraints = constraints_of(some);
+    const RefinedPose pose =
+        refine_pose(constraints, camera, {.T_w_c = T}, T, {.loss_scale = kScale, .widest = 1, .iterations = 0});
+    Matrix6d A = Matrix6d::Zero();
+    double cost = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      const RayPoint& ray = some[i].ray;
+      const Eigen::Vector3d p = scaled_in_camera(ray, T);
+      if (p.z() < 1e-3) {
+        cost += kScale * kScale;
+        EXPECT_GT(constraints.chi2(i), 1e6);
+        continue;
+      }
+      const Eigen::Matrix<double, 2, 3> by_point = pixel_jacobian(camera, p);
+      const Eigen::Vector2d r = pixel_of(camera, p) - some[i].pixel;
+      const Eigen::Vector2d g = by_point * T.R.transpose() * (ray.origin - T.t);
+      const Eigen::Matrix2d covariance = some[i].sigma_px * some[i].sigma_px * Eigen::Matrix2d::Identity() +
+                                         ray.sigma_rho * ray.sigma_rho * g * g.transpose();
+      const double chi2 = r.dot(covariance.inverse() * r), shrink = 1 / (1 + chi2 / (kScale * kScale));
+      EXPECT_NEAR(constraints.chi2(i), chi2, 1e-6 * chi2 + 1e-9);
+      const Eigen::Matrix<double, 2, 6> J = pose_jacobian(by_point, p, ray.rho);
+      A += shrink * shrink * J.transpose() * covariance.inverse() * J;
+      cost += chi2 * shrink;
+    }
+    EXPECT_LE((pose.information - A).norm(), 1e-6 * A.norm());
+    EXPECT_NEAR(pose.cost * static_cast<double>(std::max<std::size_t>(n, 1)), cost, 1e-6 * cost);
+  }
 }
 
 TEST(RefinePose, FindsItFromExactPoints) {
@@ -49,8 +104,10 @@ TEST(RefinePose, SurvivesOutliers) {
 
 // Nothing is known of the depths: the direction and the rotation are found all the same, the length stays the prior's.
 TEST(RefinePose, KnowsTheDirectionWithoutDepths) {
-  Seen s = seen(3, 0.1, 1e-9, 0);
-  for (PoseConstraint& c : s.constraints) c.ray.rho = 0.05, c.ray.sigma_rho = 10;
+  Seen s;
+  std::vector<PoseConstraint> points = points_seen(s.T_w_c, 3, 0.1, 1e-9, 0);
+  for (PoseConstraint& c : points) c.ray.rho = 0.05, c.ray.sigma_rho = 10;
+  s.constraints = constraints_of(points);
   PosePrior prior;
   prior.T_w_c.t = {0, 0, 1};
   prior.information << 4, 4, 4, 100, 100, 100;
