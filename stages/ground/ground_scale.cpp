@@ -137,7 +137,7 @@ GroundLook GroundScale::look(const Remembered& current, const Remembered& refere
   }
   look.measurement = found ? best_of_starts(current, reference, T_ref_cur, people)
                            : align_(current.image, reference.image, T_ref_cur, filter_.expected(), people);
-  look.used = trusted(look.measurement) && filter_.update(look.measurement);
+  look.used = !filter_.ways_are_strange() && trusted(look.measurement) && filter_.update(look.measurement);
   if (found && !look.used) filter_.restart();
   unused_ = look.used ? 0 : unused_ + 1;
   if (look.used) votes_.clear();

@@ -105,7 +105,7 @@ bool ScaleFilter::travelled(const Eigen::Vector3d& direction) {
   const double R = squared(options_.travel_sigma), known = h.dot(P_ * h);
   if (squared(innovation) > options_.gate * (known + R)) {
     // The first ways of a map that was begun between people may be wrong, and what they said must not stay for ever.
-    if (++strange_ways_ >= options_.ways_until_doubt) P_ *= squared(options_.doubt), strange_ways_ = 0;
+    if (++strange_ways_ % options_.ways_until_doubt == 0) P_ *= squared(options_.doubt);
     return false;
   }
   strange_ways_ = 0;

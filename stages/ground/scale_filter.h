@@ -42,6 +42,8 @@ class ScaleFilter {
   double sigma() const;  ///< standard deviation of its logarithm
   GroundAttitude attitude() const { return {x_(1), x_(2)}; }
   const Eigen::Matrix3d& covariance() const { return P_; }
+  /// The last ways did not fit, two or more in a row: the motion itself may be wrong, and so what it shows.
+  bool ways_are_strange() const { return strange_ways_ >= 2; }
   double height_m() const { return options_.height_m; }
 
   /// Time passes: the logarithm of the scale walks by `scale_sigma`.

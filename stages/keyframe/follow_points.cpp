@@ -181,6 +181,14 @@ RefinedPose KeyframeOdometry::State::pose_of_found(const PosePrior& prior, const
                      {.loss_scale = options.loss_scale, .widest = kWidest, .iterations = 5});
 }
 
+// A camera has inertia: the farther from where it was expected, the more points have to say so. (Where people filled
+// the picture, 25 of them agreed on a leap to the side.)
+double KeyframeOdometry::State::points_needed(const PosePrior& prior, const SE3& T) const {
+  const Eigen::Vector3d off = step_between(prior.T_w_c, T).head<3>();
+  const double d2 = off.dot(prior.information.head<3>().cwiseProduct(off));
+  return std::min<double>(options.sure_tracked, options.min_tracked * (1 + d2));
+}
+
 // The images' points against those of the frame before, or of the one that the standstill began with.
 bool KeyframeOdometry::State::standing(PoseResult& out) {
   pairs.clear();

@@ -105,7 +105,7 @@ bool KeyframeOdometry::State::follow(const FrameTime& now, const FrameView& curr
     return true;
   }
   const RefinedPose fine = pose_of_found(prior, T);
-  if (fine.inliers < options.min_tracked ||
+  if (fine.inliers < points_needed(prior, fine.T_w_c) ||
       fine.inliers < options.min_agreement * static_cast<double>(constraints.size())) {
     out.reason = PoseReason::too_few_inliers;
     report(out);

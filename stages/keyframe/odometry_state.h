@@ -83,6 +83,7 @@ struct KeyframeOdometry::State {
   void tell_uncertainty_of_start(const SE3& T_r_c, const PoseResult& out);
   void guess_uncertainty(const PoseResult& out);
   RefinedPose pose_of_found(const PosePrior& prior, const SE3& start);
+  double points_needed(const PosePrior& prior, const SE3& T) const;
   void update_points(const SE3& T, const FrameView& current);
   void update_depth(TrackedPoint& point, const SE3& T) const;
   bool is_below_ground(const RayPoint& ray, const SE3& T) const;

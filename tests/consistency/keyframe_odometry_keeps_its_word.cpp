@@ -234,6 +234,32 @@ TEST(KeyframeOdometry, BeginsAnewAtTheRightPlaceWhenItWasLost) {
   EXPECT_GE(tracked, 12);
 }
 
+/// After a drive, at once three frames on, of which the right `hidden` columns are not seen.
+PoseResult after_a_leap(int hidden, int sure_tracked) {
+  constexpr std::size_t kFrom = 20;
+  PlainLoopOptions options;
+  options.odometry.sure_tracked = sure_tracked;
+  Sight drive(film().camera, options);
+  for (std::size_t k = 0; k <= kFrom; ++k) drive.see(k);
+  Image image = copy_of(film().images[kFrom + 3]);
+  as_mat(image).colRange(image.width() - hidden, image.width()).setTo(90);
+  return drive.see(image, film().truth[kFrom + 3].t);
+}
+
+// A camera has inertia: a few points are not believed that say it has leapt. Where all of the picture says so, it has.
+TEST(KeyframeOdometry, DoesNotLeapForAHandfulOfPoints) {
+  const KeyframeOdometryOptions usual;
+  const auto away_from = [](const PoseResult& pose, std::size_t frame) {
+    return (pose.T_w_c.t - film().truth[frame].t).norm();
+  };
+  EXPECT_LT(away_from(after_a_leap(0, usual.sure_tracked), 23), 0.1) << "a step on the street is 0.8 m";
+  constexpr int kHidden = 200;
+  const PoseResult pose = after_a_leap(kHidden, usual.sure_tracked);
+  EXPECT_EQ(pose.quality, Quality::coasting);
+  EXPECT_LT(away_from(pose, 21), 0.1);
+  EXPECT_EQ(after_a_leap(kHidden, usual.min_tracked).quality, Quality::tracked) << "then this shows nothing";
+}
+
 // The last picture as a camera would see it that turns where it is.
 TEST(KeyframeOdometry, TurnsOnTheSpotWithoutMoving) {
   constexpr std::size_t kStop = 20;

@@ -246,6 +246,22 @@ TEST(GroundScale, WaitsInACrowdWhileManyScalesFit) {
   EXPECT_FALSE(starts_with(five));
 }
 
+// The pictures are of the road, and the motion that is given with them leads up from it. That goes on for so long that
+// the filter doubts itself, and would then take what it is told.
+TEST(GroundScale, LearnsNothingFromAMotionThatIsNotAlongTheGround) {
+  GroundScale scale(camera(), scale_options());
+  drive(scale, 1, 0, 12, 0.6, {});
+  const double metres_per_unit = scale.metres_per_unit();
+  for (int i = 12; i < 21; ++i) {
+    SE3 T = on_the_way(0.6 * i);
+    T.t.y() -= 0.03 * 0.6 * (i - 11);
+    const bool used = scale.observe(i, Road{}.seen_from(on_the_way(0.6 * i)).view(), T, {}).used;
+    EXPECT_FALSE(used && scale.filter().ways_are_strange()) << i;
+  }
+  EXPECT_NEAR(scale.metres_per_unit(), metres_per_unit, 0.02);
+  EXPECT_GE(drive(scale, 1, 21, 6, 0.6, {}, {}, {0, -0.03 * 0.6 * 9, 0}), 3) << "then it goes on";
+}
+
 TEST(GroundScale, HoldsWherePeopleHideTheGround) {
   GroundScale scale(camera(), scale_options());
   drive(scale, 1, 0, 6, 0.6, {});
