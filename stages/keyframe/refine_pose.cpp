@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <array>
+#include <span>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "stages/keyframe/refine_pose.cpp"
