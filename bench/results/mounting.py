@@ -87,7 +87,7 @@ def heading_text(truth, estimate):
     for path in (truth, estimate):
         yaws = [times(transposed(a[0]), b[0]) for a, b in zip(path, path[1:])]
         yaws = [math.atan2(R[0][2], R[2][2]) for R in yaws]
-        turns.append([sum(yaws[i:i + stretch]) for i in range(0, len(yaws) - stretch, stretch)])
+        turns.append([sum(yaws[i:i + stretch]) for i in range(0, len(yaws) - stretch + 1, stretch)])
     x, y = turns
     mean_x, mean_y = statistics.mean(x), statistics.mean(y)
     spread = sum((a - mean_x) ** 2 for a in x)

@@ -61,9 +61,7 @@ const GroundScale::Remembered* GroundScale::choose_reference(const SE3& T_map_ca
     const Remembered& r = ring_[(next_ + kRemembered - 1 - age) % kRemembered];
     return r.frame >= 0 && r.posed ? &r : nullptr;
   };
-  if (!filter_.known() || unused_ > kDoubtful) {
-    return posed(1);
-  }
+  if (!filter_.known() || (unused_ > kDoubtful && !filter_.ways_are_strange())) return posed(1);
   const double wanted = options_.baseline * filter_.height_m() / filter_.metres_per_unit();
   const Remembered* best = nullptr;
   double farthest = 0;
@@ -127,8 +125,11 @@ GroundLook GroundScale::look(const Remembered& current, const Remembered& refere
                              const People& people) {
   GroundLook look;
   look.reference_frame = reference.frame;
-  if (far_enough(T_ref_cur)) filter_.travelled(direction_of(T_ref_cur));
-  const bool start = !filter_.known() || unused_ > kDoubtful;
+  const bool is_way = far_enough(T_ref_cur);
+  if (is_way) filter_.travelled(direction_of(T_ref_cur));
+  // Where the motion is wrong, so is the plane that it shows. (Judged anew with each way: too short ones tell nothing.)
+  const bool strange = is_way && filter_.ways_are_strange();
+  const bool start = !filter_.known() || (unused_ > kDoubtful && !strange);
   if (start) votes_.fade(0.9);
   const bool found = start && vote(current, reference, T_ref_cur, people);
   if (!filter_.known()) {
@@ -137,7 +138,7 @@ GroundLook GroundScale::look(const Remembered& current, const Remembered& refere
   }
   look.measurement = found ? best_of_starts(current, reference, T_ref_cur, people)
                            : align_(current.image, reference.image, T_ref_cur, filter_.expected(), people);
-  look.used = !filter_.ways_are_strange() && trusted(look.measurement) && filter_.update(look.measurement);
+  look.used = !strange && trusted(look.measurement) && filter_.update(look.measurement);
   if (found && !look.used) filter_.restart();
   unused_ = look.used ? 0 : unused_ + 1;
   if (look.used) votes_.clear();

@@ -26,6 +26,7 @@ struct ScaleFilterOptions {
   double repetition = 3;       ///< consecutive looks see the same ground: so many count as one
   double gate = 16;            ///< largest squared Mahalanobis distance (3 degrees of freedom)
   int misses_until_lost = 12;  ///< in a row
+  int ways_until_strange = 2;  ///< ways in a row that do not fit: one may be a hump, so many are a wrong motion
   int ways_until_doubt = 6;    ///< ways in a row that do not fit: the attitude (and the scale, which came of it) is
   double doubt = 4;            ///< so many times less sure than was thought
 };
@@ -42,8 +43,8 @@ class ScaleFilter {
   double sigma() const;  ///< standard deviation of its logarithm
   GroundAttitude attitude() const { return {x_(1), x_(2)}; }
   const Eigen::Matrix3d& covariance() const { return P_; }
-  /// The last ways did not fit, two or more in a row: the motion itself may be wrong, and so what it shows.
-  bool ways_are_strange() const { return strange_ways_ >= 2; }
+  /// The last ways did not fit: the motion itself may be wrong, and so what it shows.
+  bool ways_are_strange() const { return strange_ways_ >= options_.ways_until_strange; }
   double height_m() const { return options_.height_m; }
 
   /// Time passes: the logarithm of the scale walks by `scale_sigma`.

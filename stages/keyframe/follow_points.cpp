@@ -182,10 +182,12 @@ RefinedPose KeyframeOdometry::State::pose_of_found(const PosePrior& prior, const
 }
 
 // A camera has inertia: the farther from where it was expected, the more points have to say so. (Where people filled
-// the picture, 25 of them agreed on a leap to the side.)
+// the picture, 25 of them agreed on a leap to the side.) The longer no pose was found, the less sure is what was
+// expected.
 double KeyframeOdometry::State::points_needed(const PosePrior& prior, const SE3& T) const {
   const Eigen::Vector3d off = step_between(prior.T_w_c, T).head<3>();
-  const double d2 = off.dot(prior.information.head<3>().cwiseProduct(off));
+  const double frames = 1 + lost;
+  const double d2 = off.dot(prior.information.head<3>().cwiseProduct(off)) / (frames * frames);
   return std::min<double>(options.sure_tracked, options.min_tracked * (1 + d2));
 }
 

@@ -40,7 +40,7 @@ struct KeyframeOdometryOptions {
   double new_patch_ratio = 1.25;  ///< change of size from which on the patch is taken anew
   int max_misses = 4;
   int min_tracked = 20;            ///< fewer points than this are no pose
-  int sure_tracked = 60;           ///< so many are one, however far from where it was expected
+  int sure_tracked = 60;           ///< so many are a pose, however far from where it was expected
   double min_agreement = 0.4;      ///< share of the points that a pose has to explain
   int lost_after = 5;              ///< frames without a pose until the map is begun anew
   int lost_after_standing = 50;    ///< the same where the camera stood: a lorry that passes is not a new world

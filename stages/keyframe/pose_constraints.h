@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "stages/map/ray_point.h"
@@ -18,7 +19,7 @@ struct PoseConstraint {
   double sigma_px = 0.5;
 };
 
-/// One caller at a time. push_back() allocates beyond reserve(), nothing else does.
+/// One caller at a time. Only reserve(), and push_back() beyond it, allocate.
 class PoseConstraints {
  public:
   static constexpr std::size_t kLanes = 8;
@@ -46,7 +47,8 @@ class PoseConstraints {
   /// Of the i-th, as refine_pose() left it: the squared error in standard deviations; huge behind the camera.
   double chi2(std::size_t i) const { return blocks_[i / kLanes].chi2[i % kLanes]; }
 
-  std::vector<Block>& blocks() { return blocks_; }
+  /// All of them; the last one may be filled in part.
+  std::span<Block> blocks() { return blocks_; }
 
  private:
   std::vector<Block> blocks_;

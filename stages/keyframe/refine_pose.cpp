@@ -1,7 +1,9 @@
 #include "stages/keyframe/refine_pose.h"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <array>
+#include <cstddef>
 #include <span>
 
 #undef HWY_TARGET_INCLUDE

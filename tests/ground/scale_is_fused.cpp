@@ -262,6 +262,18 @@ TEST(GroundScale, LearnsNothingFromAMotionThatIsNotAlongTheGround) {
   EXPECT_GE(drive(scale, 1, 21, 6, 0.6, {}, {}, {0, -0.03 * 0.6 * 9, 0}), 3) << "then it goes on";
 }
 
+// The nose goes down as the car brakes, and then it crawls, by less a frame than a direction can be told from.
+TEST(GroundScale, LooksAgainWhenItIsSlowAfterStrangeWays) {
+  GroundScale scale(camera(), scale_options());
+  drive(scale, 1, 0, 12, 0.6, {});
+  for (int i = 12; !scale.filter().ways_are_strange(); ++i) {
+    SE3 T = on_the_way(0.6 * i);
+    T.t.y() -= 0.1 * 0.6 * (i - 11);
+    scale.observe(i, Road{}.seen_from(on_the_way(0.6 * i)).view(), T, {});
+  }
+  EXPECT_GE(drive(scale, 1, 40, 30, 0.3, {}), 10);
+}
+
 TEST(GroundScale, HoldsWherePeopleHideTheGround) {
   GroundScale scale(camera(), scale_options());
   drive(scale, 1, 0, 6, 0.6, {});

@@ -1,9 +1,14 @@
 #include <gtest/gtest.h>
 
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cstdint>
 #include <vector>
 
 #include "stages/keyframe/refine_pose.h"
+#include "stages/map/refined_camera.h"
 #include "tests/pose/scenes.h"
+#include "tests/support/simd_targets.h"
 
 namespace pavo::test {
 namespace {
@@ -55,35 +60,43 @@ TEST(RefinePose, SumsWhatEachPointSays) {
   std::vector<PoseConstraint> points = points_seen(T, 5, 0.5, 0.05, 0.2);
   for (std::size_t i = 0; i < points.size(); i += 7) points[i].ray.sigma_rho = 10;
   for (std::size_t i = 3; i < points.size(); i += 50) points[i].ray.direction.z() = -1;
-  for (const std::size_t n : {0, 1, 7, 8, 9, 197}) {
-    const std::vector<PoseConstraint> some(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(n));
-    PoseConstraints constraints = constraints_of(some);
-    const RefinedPose pose =
-        refine_pose(constraints, camera, {.T_w_c = T}, T, {.loss_scale = kScale, .widest = 1, .iterations = 0});
-    Matrix6d A = Matrix6d::Zero();
-    double cost = 0;
-    for (std::size_t i = 0; i < n; ++i) {
-      const RayPoint& ray = some[i].ray;
-      const Eigen::Vector3d p = scaled_in_camera(ray, T);
-      if (p.z() < 1e-3) {
-        cost += kScale * kScale;
-        EXPECT_GT(constraints.chi2(i), 1e6);
-        continue;
+  for (const std::int64_t target : simd_targets())
+    for (const std::size_t n : {0, 1, 7, 8, 9, 197}) {
+      const ForceTarget force(target);
+      const std::vector<PoseConstraint> some(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(n));
+      PoseConstraints constraints = constraints_of(some);
+      const RefinedPose pose =
+          refine_pose(constraints, camera, {.T_w_c = T}, T, {.loss_scale = kScale, .widest = 1, .iterations = 0});
+      Matrix6d A = Matrix6d::Zero();
+      Vector6d b = Vector6d::Zero();
+      double cost = 0;
+      for (std::size_t i = 0; i < n; ++i) {
+        const RayPoint& ray = some[i].ray;
+        const Eigen::Vector3d p = scaled_in_camera(ray, T);
+        if (p.z() < 1e-3) {
+          cost += kScale * kScale;
+          EXPECT_GT(constraints.chi2(i), 1e6);
+          continue;
+        }
+        const Eigen::Matrix<double, 2, 3> by_point = pixel_jacobian(camera, p);
+        const Eigen::Vector2d r = pixel_of(camera, p) - some[i].pixel;
+        const Eigen::Vector2d g = by_point * T.R.transpose() * (ray.origin - T.t);
+        const Eigen::Matrix2d covariance = some[i].sigma_px * some[i].sigma_px * Eigen::Matrix2d::Identity() +
+                                           ray.sigma_rho * ray.sigma_rho * g * g.transpose();
+        const double chi2 = r.dot(covariance.inverse() * r), shrink = 1 / (1 + chi2 / (kScale * kScale));
+        EXPECT_NEAR(constraints.chi2(i), chi2, 1e-6 * chi2 + 1e-9);
+        const Eigen::Matrix<double, 2, 6> J = pose_jacobian(by_point, p, ray.rho);
+        A += shrink * shrink * J.transpose() * covariance.inverse() * J;
+        b += shrink * shrink * J.transpose() * covariance.inverse() * r;
+        cost += chi2 * shrink;
       }
-      const Eigen::Matrix<double, 2, 3> by_point = pixel_jacobian(camera, p);
-      const Eigen::Vector2d r = pixel_of(camera, p) - some[i].pixel;
-      const Eigen::Vector2d g = by_point * T.R.transpose() * (ray.origin - T.t);
-      const Eigen::Matrix2d covariance = some[i].sigma_px * some[i].sigma_px * Eigen::Matrix2d::Identity() +
-                                         ray.sigma_rho * ray.sigma_rho * g * g.transpose();
-      const double chi2 = r.dot(covariance.inverse() * r), shrink = 1 / (1 + chi2 / (kScale * kScale));
-      EXPECT_NEAR(constraints.chi2(i), chi2, 1e-6 * chi2 + 1e-9);
-      const Eigen::Matrix<double, 2, 6> J = pose_jacobian(by_point, p, ray.rho);
-      A += shrink * shrink * J.transpose() * covariance.inverse() * J;
-      cost += chi2 * shrink;
+      EXPECT_LE((pose.information - A).norm(), 1e-6 * A.norm());
+      EXPECT_NEAR(pose.cost * static_cast<double>(std::max<std::size_t>(n, 1)), cost, 1e-6 * cost);
+      if (n < 197) continue;
+      const SE3 next = refine_pose(constraints, camera, {.T_w_c = T}, T, {.loss_scale = kScale, .iterations = 1}).T_w_c;
+      const Vector6d step = A.ldlt().solve(-b);
+      EXPECT_LE((step_between(T, next) - step).norm(), 1e-4 * step.norm());
     }
-    EXPECT_LE((pose.information - A).norm(), 1e-6 * A.norm());
-    EXPECT_NEAR(pose.cost * static_cast<double>(std::max<std::size_t>(n, 1)), cost, 1e-6 * cost);
-  }
 }
 
 TEST(RefinePose, FindsItFromExactPoints) {
