@@ -43,6 +43,7 @@ struct KeyframeOdometry::State {
     // What holds a part of the points: how large a part differs from frame to frame, and no frame shall allocate.
     for (auto* of_points : {&constrained, &candidates}) of_points->reserve(points.size());
     constraints.reserve(points.size());
+    reference_image.resize(rectified.width, rectified.height);  // new memory costs the first frame more than the copy
     by_id.reserve(points.size());
     pairs.reserve(points.size());
     scratch.reserve(points.size());
